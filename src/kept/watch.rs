@@ -85,9 +85,7 @@ impl Watch {
         // Rays may start inside a volume. Parallel ones may enter it where no brick of the view is.
         match drawn.view.eye() {
             Some(eye) => {
-                let mut around = Vec::new();
-                scene.volumes().holding(scene.grid().cell_of(eye), |slot| around.push(slot));
-                around.sort_unstable();
+                let around = scene.volumes_around(scene.grid().cell_of(eye));
                 around.into_iter().for_each(|slot| self.test_once(drawn, slot));
             }
             None => Slot::below(scene.slot_count()).for_each(|slot| self.test_once(drawn, slot)),

@@ -7,7 +7,6 @@ use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::grid::bricks::{Bricks, Pages};
-use crate::grid::mask::{Mask, NONE};
 use crate::matrix::slots::SlotList;
 
 /// I: the objects that touch each brick, as indices of the scene's slots.
@@ -17,19 +16,17 @@ pub struct IdMatrix {
 }
 
 impl IdMatrix {
-    /// Moves an object inside a brick: it leaves the cells of `old`, which are all that it is in,
-    /// and enters those of `new`.
-    pub(crate) fn change(&mut self, brick: IVec3, old: &Mask, new: &Mask, slot: Slot) {
-        match (*old == NONE, *new == NONE) {
-            (true, false) => self.bricks.get_mut(brick).push(slot),
-            (false, true) => {
-                let slots = self.bricks.get_mut(brick);
-                slots.find(slot).into_iter().for_each(|i| slots.swap_remove(i));
-                if slots.as_slice().is_empty() {
-                    self.bricks.release(brick);
-                }
-            }
-            _ => {}
+    /// Lists an object in a brick; it was not there.
+    pub(crate) fn insert(&mut self, brick: IVec3, slot: Slot) {
+        self.bricks.get_mut(brick).push(slot);
+    }
+
+    /// Takes an object out of a brick.
+    pub(crate) fn remove(&mut self, brick: IVec3, slot: Slot) {
+        let slots = self.bricks.get_mut(brick);
+        slots.find(slot).into_iter().for_each(|i| slots.swap_remove(i));
+        if slots.as_slice().is_empty() {
+            self.bricks.release(brick);
         }
     }
 
@@ -64,45 +61,31 @@ impl std::fmt::Debug for IdMatrix {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
+    use std::collections::BTreeSet;
 
     use super::*;
-    use crate::grid::mask::ALL;
     use crate::random::Random;
 
     #[test]
-    fn agrees_with_a_map() {
+    fn agrees_with_a_set() {
         let bricks = [IVec3::new(1, 1, 1), IVec3::new(2, 0, 1), IVec3::new(9, 1, 2)];
-        let mut m = IdMatrix::default();
-        let mut map = BTreeMap::<([i32; 3], Slot), Mask>::new();
-        let mut random = Random::new(1);
-        let compare = |m: &IdMatrix, map: &BTreeMap<([i32; 3], Slot), Mask>| {
-            for brick in bricks {
+        let (mut m, mut set, mut random) = (IdMatrix::default(), BTreeSet::new(), Random::new(1));
+        for step in 0..2500 {
+            let (i, slot) = (random.below(3) as usize, Slot::new(random.below(90)));
+            if set.remove(&(i, slot)) {
+                m.remove(bricks[i], slot);
+            } else if step < 1500 {
+                set.insert((i, slot));
+                m.insert(bricks[i], slot);
+            }
+            for (i, brick) in bricks.into_iter().enumerate() {
                 let mut members: Vec<Slot> = m.in_brick(brick).collect();
                 members.sort_unstable();
-                let here = map.keys().filter(|(at, _)| *at == brick.to_array());
-                assert_eq!(members, here.map(|(_, slot)| *slot).collect::<Vec<_>>());
+                assert!(members.into_iter().eq(set.iter().filter(|own| own.0 == i).map(|own| own.1)));
             }
-            assert_eq!(m.entries(), map.len());
-        };
-        for _ in 0..1500 {
-            let (brick, slot) = (bricks[random.below(3) as usize], Slot::new(random.below(90)));
-            let new: Mask = match random.below(3) {
-                0 => ALL,
-                1 => NONE,
-                _ => std::array::from_fn(|z| if z == 4 { 1 << random.below(64) } else { 0 }),
-            };
-            let old = map.insert((brick.to_array(), slot), new).unwrap_or(NONE);
-            if new == NONE {
-                map.remove(&(brick.to_array(), slot));
-            }
-            m.change(brick, &old, &new, slot);
-            compare(&m, &map);
+            assert_eq!(m.entries(), set.len());
         }
-        for ((brick, slot), old) in std::mem::take(&mut map) {
-            m.change(IVec3::from_array(brick), &old, &NONE, slot);
-        }
-        compare(&m, &map);
+        set.iter().for_each(|&(i, slot)| m.remove(bricks[i], slot));
         assert_eq!(m.bricks.iter().count(), 0);
     }
 }

@@ -8,7 +8,8 @@
 //! the one without the axis that it misses.
 //!
 //! The projections are kept brick by brick, so that a volume is found only from
-//! the part of space where it is, however many others share its rows.
+//! the part of space where it is, however many others share its rows. Bricks
+//! inside of a volume list it too: an eye there is in it.
 
 use casca_slots::Slot;
 use glam::IVec3;
@@ -119,7 +120,7 @@ struct TbvBrick {
 #[derive(Clone, Copy)]
 struct Held {
     slot: Slot,
-    /// The brick's place among those that the volume's surface passes through.
+    /// The brick's place among those that the volume reaches into.
     brick: u32,
 }
 
@@ -141,12 +142,12 @@ impl TbvMatrix {
         }
         let Self { bricks, places, .. } = self;
         let places = &mut places[slot.index()];
-        volume.for_surface_bricks(|b| {
+        for b in volume.bricks().cells() {
             let brick = bricks.get_mut(b);
             brick.all = brick.all.union(volume.projections(b));
             brick.held.push(Held { slot, brick: places.len() as u32 });
             places.push(brick.held.len() as u32 - 1);
-        });
+        }
     }
 
     /// Erases a volume drawn before. The cost grows with its bricks, not with the other volumes in
@@ -155,8 +156,8 @@ impl TbvMatrix {
         self.volumes -= 1;
         let mut places = std::mem::take(&mut self.places[slot.index()]);
         let mut next = places.iter();
-        volume.for_surface_bricks(|b| {
-            let (Some(&place), Some(brick)) = (next.next(), self.bricks.get_existing_mut(b)) else { return };
+        for b in volume.bricks().cells() {
+            let (Some(&place), Some(brick)) = (next.next(), self.bricks.get_existing_mut(b)) else { break };
             brick.held.swap_remove(place as usize);
             if let Some(moved) = brick.held.get(place as usize) {
                 self.places[moved.slot.index()][moved.brick as usize] = place;
@@ -164,7 +165,7 @@ impl TbvMatrix {
             if brick.held.is_empty() {
                 self.bricks.release(b);
             }
-        });
+        }
         places.clear();
         self.places[slot.index()] = places;
     }
@@ -179,7 +180,8 @@ impl TbvMatrix {
     /// A block around the cells of a brick on the surface of some volume; `None` if there are none.
     pub(crate) fn extent(&self, brick: IVec3) -> Option<CellBox> {
         let TbvBrick { all, held } = self.bricks.get(brick);
-        if held.is_empty() {
+        // Inside of all that it lists there is no surface.
+        if held.is_empty() || all.xy | all.xz | all.yz == 0 {
             return None;
         }
         let columns = |tile: u64| (0..8).fold(0, |sum, row| sum | (tile >> (8 * row) & 0xff));
@@ -192,17 +194,17 @@ impl TbvMatrix {
         Some(CellBox { lo: corner + lo, hi: corner + hi })
     }
 
-    /// The objects whose volumes have surface in a brick.
+    /// The objects whose volumes reach into a brick.
     pub(crate) fn ids(&self, brick: IVec3) -> impl ExactSizeIterator<Item = Slot> {
         self.bricks.get(brick).held.iter().map(|h| h.slot)
     }
 
-    /// The bricks that contain surfaces of volumes.
+    /// The bricks that volumes reach into.
     pub(crate) fn bricks(&self) -> impl Iterator<Item = IVec3> {
         self.bricks.iter().filter(|(_, brick)| !brick.held.is_empty()).map(|(at, _)| at)
     }
 
-    /// The pages that contain surfaces of volumes.
+    /// The pages that volumes reach into.
     pub(crate) fn pages(&self) -> &Pages {
         self.bricks.pages()
     }
@@ -274,10 +276,10 @@ mod tests {
         };
         let holds = |m: &TbvMatrix, slot: Slot| {
             let (mut held, mut all) = (0, 0);
-            volume(slot).for_surface_bricks(|b| {
+            for b in volume(slot).bricks().cells() {
                 held += usize::from(m.ids(b).any(|s| s == slot));
                 all += 1;
-            });
+            }
             (held, all)
         };
         let mut inside: Vec<Slot> = Slot::below(60).collect();

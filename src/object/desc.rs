@@ -17,7 +17,7 @@ pub enum Reports {
     /// in sight. Needs a greatest speed, which the object must keep while it goes unreported; a
     /// report may put it anywhere.
     ///
-    /// A small object that hides nothing is asked in each of the next 256 frames if a volume of it
+    /// A small object that hides nothing is asked in each of the next 256 to 512 frames if a volume of it
     /// lasts less than eight frames and a quarter of a second: that costs less than volumes.
     ///
     /// It counts as visible when its volume is revealed, and from [`crate::Scene::begin_frame`] on

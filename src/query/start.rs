@@ -63,3 +63,35 @@ pub(crate) fn rays_start_in_occluder(scene: &Scene, view: &View, starts: &Starts
         Origin::Direction(_) => true,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Aabb, Sphere};
+    use crate::object::ObjectDesc;
+    use crate::query::Query;
+
+    #[test]
+    fn a_camera_in_its_collider_sees_through_that_one_only() {
+        let block = |min: [f32; 3], max: [f32; 3]| Aabb::new(min.into(), max.into());
+        let ball = |x: f32, radius| Sphere::new(glam::Vec3::new(x, 16.5, 16.5), radius);
+        // The last one abuts the wall, so that cells of both are drawn together.
+        let wall = block([8.0, 0.0, 0.0], [10.0, 32.0, 32.0]);
+        let boxes = [block([1.1, 15.1, 15.1], [4.2, 18.3, 18.3]), block([0.0, 8.0, 8.0], [8.0, 24.0, 24.0])];
+        for collider in boxes.map(Occluder::from).into_iter().chain([ball(2.5, 1.5).into()]) {
+            let around = collider.block().to_aabb();
+            for desc in [ObjectDesc::fixed(around), ObjectDesc::dynamic(around)] {
+                let mut scene = Scene::new(1.0).unwrap();
+                scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+                let own = scene.insert(desc.occluder(collider.clone())).unwrap();
+                let behind = scene.insert(ObjectDesc::fixed(ball(20.0, 1.0))).unwrap();
+                scene.begin_frame(0.0).unwrap();
+                let mut query = Query::new();
+                let view = View::omnidirectional(ball(2.5, 0.0).center).unwrap();
+                let pvs = query.run(&scene, &view);
+                assert!(pvs.contains(own) && pvs.stats().eye_in_occluder);
+                assert!(!pvs.contains(behind), "{around:?}");
+            }
+        }
+    }
+}

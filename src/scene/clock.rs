@@ -1,11 +1,11 @@
 //! The clock of a scene, and what is due by it.
 
-use casca_slots::{AT_ONCE, Expiry, ExpiryQueue, Id, Slot, Slots};
+use casca_slots::{Expiry, ExpiryQueue, Id, Slot, Slots};
 
+use crate::scene::home::Hidden;
 use crate::scene::object::Object;
 use crate::scene::reports::ReportLog;
-use crate::scene::resting::Resting;
-use crate::scene::state::{Hidden, State};
+use crate::scene::slot_bits::SlotBits;
 
 /// A small object that is reported whenever it moves, and that left its volume after fewer frames,
 /// is listed in a zone instead of getting another one: writing and erasing a volume costs as much
@@ -19,7 +19,7 @@ pub(super) const WORTH_ASKING: u64 = 8;
 /// A volume that lasted for this many seconds was worth it, however few frames there were.
 const WORTH_SECONDS: f64 = 0.25;
 
-/// An object whose volume did not last gets no other for this many frames.
+/// An object whose volume did not last gets no other for this many frames, or up to twice as many.
 const REST: u64 = 256;
 
 /// The time and the number of the frame. It owns what becomes due by them: volumes that expire,
@@ -34,8 +34,9 @@ pub(super) struct Clock {
     pub(super) expiries: ExpiryQueue,
     /// When objects reported on expiry were last reported.
     pub(super) reports: ReportLog,
-    /// Objects that get no volume for some frames.
-    pub(super) resting: Resting,
+    /// Objects that get no volume for some frames, though no view sees them: those that began to
+    /// rest in the present span of frames, and those of the span before.
+    resting: [SlotBits; 2],
 }
 
 impl Clock {
@@ -55,7 +56,22 @@ impl Clock {
 
     /// An object gets no volume for some frames.
     pub(super) fn rest(&mut self, slot: Slot) {
-        self.resting.rest(slot, self.frame + REST);
+        self.resting[0].insert(slot);
+    }
+
+    /// Whether an object gets no volume, or one that had the slot before would get none.
+    pub(super) fn is_resting(&self, slot: Slot) -> bool {
+        self.resting.iter().any(|resting| resting.contains(slot))
+    }
+
+    /// A frame begins at a time.
+    pub(super) fn begin(&mut self, now: f64) {
+        self.now = now;
+        self.frame += 1;
+        if self.frame.is_multiple_of(REST) {
+            self.resting.swap(0, 1);
+            self.resting[0].clear();
+        }
     }
 
     /// Drops entries of the queue that were replaced since, once there are many of them.
@@ -64,15 +80,14 @@ impl Clock {
             return;
         }
         self.expiries.retain(|entry| {
-            match objects.of_generation(entry.slot, entry.generation).map(Object::state) {
-                Some(State::Hidden(hidden)) => hidden.queued == entry.at,
-                Some(State::Unlocated { .. }) => entry.at == AT_ONCE,
-                _ => false,
-            }
+            let object = objects.of_generation(entry.slot, entry.generation);
+            object.and_then(Object::volume).is_some_and(|hidden| hidden.queued == entry.at)
         });
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.expiries.bytes() + self.reports.bytes() + self.resting.bytes()
+        self.expiries.bytes()
+            + self.reports.bytes()
+            + self.resting.each_ref().map(SlotBits::bytes).iter().sum::<usize>()
     }
 }

@@ -48,8 +48,8 @@ impl Scene {
 
     /// Moves an object or changes its shape: all of it, in world units.
     ///
-    /// A hidden object that stays inside its volume costs a comparison; others
-    /// cost the cells that they enter or leave. For an object that is reported on
+    /// An object that hides nothing and stays in its zone of 32x32x32 cells, its bricks of 8x8x8 or its
+    /// volume costs a comparison; others cost the cells that they enter or leave. For an object that is reported on
     /// expiry this is the report, also where nothing changed. An object that was
     /// [placed](ObjectDesc::placed) is not any more.
     ///
@@ -211,9 +211,9 @@ impl Scene {
     /// Moves many objects that hide nothing, as [`Scene::update`] without an occluder does one by
     /// one. All moves are made but those that are refused.
     ///
-    /// Costs a comparison for each small object that stays in its zone of 32x32x32 cells, or in its
-    /// volume, if its bounds are a sphere or a box; it is cheapest in the order of
-    /// [`ObjectId::index`].
+    /// Costs a comparison for each object that stays in its zone of 32x32x32 cells, in its bricks if it
+    /// is too large for that, or in its volume, if its bounds are a sphere or a box; it is cheapest in
+    /// the order of [`ObjectId::index`].
     ///
     /// ```
     /// use casca::{ObjectDesc, Scene, Sphere};
@@ -355,7 +355,7 @@ impl Scene {
         if object.is_placed() {
             return false;
         }
-        // Objects reported on expiry have no rooms but in zones.
+        // In a volume, objects reported on expiry have no rooms.
         let overdue = object.on_expiry() && self.clock.reports.report(id.slot());
         if object.replace_bounds(bounds) || overdue {
             object.moved = self.changes.moved();

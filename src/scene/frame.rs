@@ -17,11 +17,15 @@ pub struct FrameReport {
     pub revealed: usize,
 }
 
-/// The most objects that one [`Scene::end_frame`] puts into volumes.
+/// The most objects that one [`Scene::end_frame`] puts into volumes. One whose volume reaches into
+/// 16 bricks of 8x8x8 cells or more counts as several.
 ///
-/// A volume costs some microseconds: its surface is written into the matrices. An object without
-/// one costs a fraction of that in each frame, when it moves.
-pub const MOST_NEW_VOLUMES: usize = 2048;
+/// A volume costs a microsecond or some: it is written into all of its bricks. An object without one
+/// costs a fraction of that in each frame, when it moves.
+pub const MOST_NEW_VOLUMES: usize = 1024;
+
+/// A volume counts once more for each time that it reaches into this many bricks.
+const MANY_BRICKS: usize = 16;
 
 impl Scene {
     /// Sets the clock, in seconds, and gives the objects that are due for a report. Of those
@@ -47,8 +51,10 @@ impl Scene {
         let backwards = now < self.clock.now;
         if now != self.clock.now {
             self.clock.reports.clock_moved();
+            self.opacity.clock_moved();
         }
-        self.clock.now = now;
+        let ended = self.clock.frame;
+        self.clock.begin(now);
         let mut due = Vec::new();
         let until = if backwards { f64::INFINITY } else { now };
         while let Some(entry) = self.clock.expiries.pop_until(until) {
@@ -56,20 +62,7 @@ impl Scene {
                 due.push(self.id(entry.slot));
             }
         }
-        // Listed objects were surely where they are listed only when they were last reported. One
-        // that the last frame showed is reported unasked.
-        let ended = self.clock.frame;
-        self.clock.frame += 1;
-        for i in 0..self.index.on_expiry.as_slice().len() {
-            let slot = self.index.on_expiry.as_slice()[i];
-            if self.clock.reports.is_current(slot) {
-                continue;
-            }
-            if !self.last_frame.saw_in(ended, slot) {
-                due.push(self.id(slot));
-            }
-            self.miss(slot);
-        }
+        // One that the last frame showed is reported unasked.
         if self.clock.reports.count_overdue() > 0 {
             self.changes.changed();
             let overdue = self.clock.reports.overdue();
@@ -86,10 +79,10 @@ impl Scene {
     ///
     /// At most [`MOST_NEW_VOLUMES`] unseen objects are put into volumes by one call, in turn; the
     /// others stay listed, are tested by queries as the visible ones are, and follow in the next
-    /// frames. So the first frame with 100,000 movers costs no more than any other, and 49 frames
+    /// frames. So the first frame with 100,000 movers costs no more than any other, and 98 frames
     /// put all of them into volumes.
     ///
-    /// Small objects that hide nothing stay listed for 256 frames once they left their volume
+    /// Small objects that hide nothing stay listed for 256 to 512 frames once they left their volume
     /// within 32 frames; if they are reported on expiry, within 8 frames and a quarter of a second,
     /// and then they are due in each of these frames. What hides their zones hides them too, and
     /// lists of zones cost less than a volume that does not last.
@@ -120,17 +113,19 @@ impl Scene {
         for &id in views.iter().flat_map(|p| &p.revealed) {
             if self.find(id).is_ok_and(|object| object.is_hidden()) {
                 report.revealed += 1;
-                self.reveal(id.slot(), self.last_frame.seen.contains(id.slot()));
+                self.reveal(id.slot());
             }
         }
         // Of too many for one frame, those after the last one are first: so each has its turn.
-        self.clock.resting.wake(self.clock.frame);
         let listed = self.index.movers.as_slice().iter().copied();
-        let awake = listed.filter(|&slot| !self.clock.resting.contains(slot));
+        let awake = listed.filter(|&slot| !self.clock.is_resting(slot));
         let unseen = self.last_frame.unseen(awake, MOST_NEW_VOLUMES);
-        let mut tried = 0;
-        while report.hidden < MOST_NEW_VOLUMES && tried < unseen.len() {
-            report.hidden += usize::from(self.try_hide(unseen[tried]));
+        let (mut tried, mut cost) = (0, 0);
+        while cost < MOST_NEW_VOLUMES && tried < unseen.len() {
+            if let Some(bricks) = self.try_hide(unseen[tried]) {
+                report.hidden += 1;
+                cost += 1 + bricks / MANY_BRICKS;
+            }
             tried += 1;
         }
         self.last_frame.hid(unseen, tried);

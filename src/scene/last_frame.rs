@@ -34,15 +34,17 @@ impl LastFrame {
         self.number == number && self.seen.contains(slot)
     }
 
-    /// Those of some objects that were out of sight, in an order that gives each its turn if at
-    /// most so many are hidden in a frame: those that follow the last one in the order of slots are
-    /// first. Give them back with [`LastFrame::hid`].
+    /// Those of some objects that were out of sight, at most so many in a frame, in turn: those that
+    /// follow the last one in the order of slots are first. Give them back with [`LastFrame::hid`].
     pub(super) fn unseen(&mut self, objects: impl Iterator<Item = Slot>, most: usize) -> Vec<Slot> {
         let mut unseen = std::mem::take(&mut self.unseen);
         unseen.clear();
         unseen.extend(objects.filter(|&slot| !self.seen.contains(slot)));
         if unseen.len() > most {
-            unseen.sort_unstable_by_key(|slot| slot.get().wrapping_sub(self.next_to_hide));
+            let turn = |slot: &Slot| slot.get().wrapping_sub(self.next_to_hide);
+            unseen.select_nth_unstable_by_key(most, turn);
+            unseen.truncate(most);
+            unseen.sort_unstable_by_key(turn);
         }
         unseen
     }

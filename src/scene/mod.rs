@@ -2,18 +2,17 @@
 //!
 //! # Where an object is
 //!
-//! Every object is stored in a [`Slot`] and is in one of four states ([`state`], with the table of
-//! transitions):
-//! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects
-//!   always are.
-//! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal
-//!   bounding volume. Only the surface of the volume is in the matrices ([`volumes`]), so that
-//!   motion inside changes no matrix.
-//! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no
-//!   report came. It is visible to every query and hides nothing.
+//! Every object is stored in a [`Slot`] and has a *home*, a box in which it is known to stay
+//! ([`home`], with the table of what changes it):
+//! - the *bricks* that it touches, in the matrices I (objects) and O (opaque cells). All static
+//!   objects are there.
+//! - a *zone*, for small movers that hide nothing ([`movers`]).
+//! - a temporal bounding *volume*, for a mover that no view saw in the last frames. Only the surface
+//!   of the volume is in the matrices ([`crate::matrix::tbv`]).
 //!
-//! Most moves change nothing of that: [`rooms`] tells how far an object may go, and [`reports`] who
-//! is overdue in the zones of small movers ([`movers`]).
+//! Most moves stay inside: [`rooms`] compares them with the boxes of zones and volumes. An object
+//! that is reported on expiry, and was not reported in time ([`reports`]), may be anywhere: it is
+//! visible to every query and hides nothing.
 //!
 //! Lists beside the matrices ([`spatial_index`]): objects that no cells tell of - beyond the reach of
 //! coordinates, too large, or of unknown place - are in the set `always`, which every query tests.
@@ -39,9 +38,9 @@ mod boxes;
 mod changes;
 mod clock;
 mod contacts;
-mod containing;
 mod edit;
 mod frame;
+mod home;
 mod last_frame;
 mod memory;
 mod movers;
@@ -52,18 +51,14 @@ mod opaque;
 pub(crate) mod origin;
 mod reads;
 mod reports;
-mod resting;
 mod rooms;
 mod slot_bits;
 mod solids;
 mod spatial_index;
-mod state;
 mod static_solids;
 mod transitions;
 mod user_data;
-mod validity;
 mod volume;
-mod volumes;
 
 use casca_slots::Slots;
 use glam::DVec3;
@@ -119,8 +114,8 @@ pub use reads::ObjectRef;
 /// # Cost
 ///
 /// An object costs its record and the cells that it touches, a move the cells that it enters and
-/// leaves; one of a small object that hides nothing costs a comparison while it stays in the same
-/// zone of 32x32x32 cells, and the lists of two zones else. A moving object that no
+/// leaves; one of an object that hides nothing costs a comparison while it stays in the same bricks
+/// of 8x8x8 cells, or, if it is small, in the same zone of 32x32x32 cells. A moving object that no
 /// view saw is put into a temporal bounding volume at the end of the frame: until it leaves that,
 /// its moves cost a comparison each, and queries do not look at it. [`Scene::memory`] tells the
 /// memory of all parts.

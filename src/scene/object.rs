@@ -1,11 +1,10 @@
 //! What a scene stores of each object.
 
 use crate::geometry::Block;
+use crate::grid::cell_box::CellBox;
 use crate::object::{ALL_LAYERS, Bounds, Motion, ObjectDesc, Occluder, Placed, Reports};
+use crate::scene::home::{Hidden, Validity};
 use crate::scene::opacity::OpacityPart;
-use crate::scene::state::{Event, State};
-use crate::scene::validity::Validity;
-use crate::scene::volume::Tbv;
 use crate::view::View;
 
 /// One object. What a report of a move asks for comes first, within two lines of the cache.
@@ -17,10 +16,10 @@ pub(crate) struct Object {
     pub(super) moved: u64,
     is_static: bool,
     on_expiry: bool,
-    /// Whether its place is unknown, by the state of the mover: queries ask it of each object.
-    is_unlocated: bool,
-    /// Whether it is in a volume, by the same state.
+    /// Whether it is in a volume whose time is not over: queries ask it of each object.
     is_hidden: bool,
+    /// Whether it is in one whose time is over.
+    is_expired: bool,
     is_placed: bool,
     /// Whether its cells are in I; objects with too many cells are not.
     pub(super) in_cells: bool,
@@ -58,8 +57,11 @@ enum Rare {
 #[derive(Debug, Clone)]
 pub(super) struct Mover {
     motion: Motion,
-    state: State,
+    /// None while it is listed.
+    volume: Option<Hidden>,
     validity: Validity,
+    /// Those that list it, while it is listed in bricks.
+    bricks: CellBox,
 }
 
 impl Rare {
@@ -98,14 +100,14 @@ impl Object {
     pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, moved: u64) -> Self {
         let motion = desc.motion;
         let is_static = motion == Motion::Static;
-        let mover = Mover { motion, state: State::Listed, validity: Validity::first() };
+        let mover = Mover { motion, volume: None, validity: Validity::first(), bricks: CellBox::default() };
         let mut object = Self {
             bounds: desc.bounds,
             moved,
             is_static,
             on_expiry: matches!(motion, Motion::Dynamic { reports: Reports::OnExpiry, .. }),
-            is_unlocated: false,
             is_hidden: false,
+            is_expired: false,
             is_placed: false,
             in_cells: false,
             in_zone: false,
@@ -276,10 +278,35 @@ impl Object {
         }
     }
 
-    /// Where it is. Static objects are always listed.
+    /// The volume that it is in, or was in before that expired; none if it is listed.
     #[inline]
-    pub(super) fn state(&self) -> State {
-        self.mover().map_or(State::Listed, |mover| mover.state)
+    pub(super) fn volume(&self) -> Option<&Hidden> {
+        self.mover()?.volume.as_ref()
+    }
+
+    /// Puts a mover into a volume whose time is not over, or into none.
+    pub(super) fn set_volume(&mut self, volume: Option<Hidden>) {
+        if let Some(mover) = self.mover_mut() {
+            mover.volume = volume;
+            (self.is_hidden, self.is_expired) = (volume.is_some(), false);
+        }
+    }
+
+    /// The bricks that list a mover, if it is listed in bricks.
+    pub(super) fn bricks(&self) -> CellBox {
+        self.mover().map_or(CellBox::default(), |mover| mover.bricks)
+    }
+
+    /// A mover is listed in bricks from now on.
+    pub(super) fn set_bricks(&mut self, bricks: CellBox) {
+        if let Some(mover) = self.mover_mut() {
+            mover.bricks = bricks;
+        }
+    }
+
+    /// The time of its volume is over.
+    pub(super) fn expire(&mut self) {
+        (self.is_hidden, self.is_expired) = (false, true);
     }
 
     /// For how long its next volume is made to last.
@@ -294,31 +321,13 @@ impl Object {
         }
     }
 
-    /// Changes the state as the table of [`crate::scene::state`] says; false if the event does not
-    /// apply.
-    pub(super) fn apply(&mut self, event: Event) -> bool {
-        let next = self.state().after(event);
-        if let (Some(mover), Some(next)) = (self.mover_mut(), next) {
-            mover.state = next;
-            self.is_unlocated = matches!(next, State::Overdue | State::Unlocated { .. });
-            self.is_hidden = matches!(next, State::Hidden(_));
-        }
-        next.is_some()
-    }
-
-    /// Whether its place is unknown by its state. [`Scene::is_unlocated`](crate::scene::Scene)
-    /// also knows those that are overdue in a zone.
+    /// Whether it is in a volume whose time is over.
     #[inline]
-    pub(super) fn is_unlocated(&self) -> bool {
-        self.is_unlocated
+    pub(super) fn is_expired(&self) -> bool {
+        self.is_expired
     }
 
-    #[inline]
-    pub(super) fn is_overdue(&self) -> bool {
-        self.mover().is_some_and(|mover| matches!(mover.state, State::Overdue))
-    }
-
-    /// Whether it is in a volume.
+    /// Whether it is in a volume whose time is not over.
     #[inline]
     pub(crate) fn is_hidden(&self) -> bool {
         self.is_hidden
@@ -330,23 +339,10 @@ impl Object {
         self.on_expiry() && self.is_hidden()
     }
 
-    /// The volume that it is in, or was in before that expired.
-    #[inline]
-    pub(super) fn volume(&self) -> Option<&Tbv> {
-        match &self.mover()?.state {
-            State::Hidden(hidden) => Some(&hidden.tbv),
-            State::Unlocated { volume } => volume.as_ref(),
-            _ => None,
-        }
-    }
-
     /// The volume of an object whose bounds are old: it may be anywhere in there.
     #[inline]
     pub(crate) fn unreported_volume(&self) -> Option<&Block> {
-        match &self.mover()?.state {
-            State::Hidden(hidden) if self.on_expiry() => Some(&hidden.tbv.block),
-            _ => None,
-        }
+        if self.is_hidden_unreported() { self.volume().map(|hidden| &hidden.tbv.block) } else { None }
     }
 
     /// Bytes on the heap, without those of shapes that objects may share.

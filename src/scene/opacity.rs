@@ -15,6 +15,7 @@ use crate::matrix::bits::OpacityMatrix;
 use crate::matrix::fused::Fused;
 use crate::object::{ALL_LAYERS, Occluder};
 use crate::scene::opaque::OpaqueCells;
+use crate::scene::reports::Overdue;
 use crate::shape::pieces::Moved;
 
 /// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for
@@ -41,8 +42,8 @@ pub(crate) struct LayerOpacity {
     layers: u64,
     /// How many occluders are in it. Without any it can be given to another mask.
     occluders: u32,
-    /// How many of them are overdue: while any is, O is Os.
-    overdue: u32,
+    /// Those that are reported on expiry: while any is overdue, O is Os.
+    pub(super) on_expiry: Overdue,
     /// Os, the opaque cells of static objects.
     pub(super) fixed: OpaqueCells,
     /// The cells that listed dynamic objects add to Os to make O.
@@ -54,7 +55,7 @@ pub(crate) struct LayerOpacity {
 impl LayerOpacity {
     fn new(layers: u64) -> Self {
         let (fixed, moving, fused) = Default::default();
-        Self { layers, occluders: 0, overdue: 0, fixed, moving, fused }
+        Self { layers, occluders: 0, on_expiry: Overdue::default(), fixed, moving, fused }
     }
 
     /// The layers that its occluders are on.
@@ -75,7 +76,7 @@ impl LayerOpacity {
 
     /// As [`LayerOpacity::moving`], unless the place of one of those is unknown.
     pub(crate) fn known_moving(&self) -> Option<&OpacityMatrix> {
-        (self.overdue == 0).then_some(self.moving.bits())
+        (self.on_expiry.count() == 0).then_some(self.moving.bits())
     }
 
     #[inline]
@@ -191,14 +192,9 @@ impl Opacity {
         self.part_mut(part).occluders -= 1;
     }
 
-    /// The place of an occluder, in a part if it has one, is not known any more.
-    pub(super) fn miss(&mut self, part: Option<OpacityPart>) {
-        part.into_iter().for_each(|part| self.part_mut(part).overdue += 1);
-    }
-
-    /// The place of an occluder that was missed is known again, or does not matter any more.
-    pub(super) fn locate(&mut self, part: Option<OpacityPart>) {
-        part.into_iter().for_each(|part| self.part_mut(part).overdue -= 1);
+    /// The clock moves.
+    pub(super) fn clock_moved(&mut self) {
+        self.parts.iter_mut().for_each(|part| part.on_expiry.clock_moved());
     }
 
     /// Grows the boxes of opaque cells that are to be grown anew.
@@ -210,8 +206,8 @@ impl Opacity {
 
     /// How many occluders of unknown place there are.
     #[cfg(test)]
-    pub(super) fn overdue(&self) -> u32 {
-        self.parts.iter().map(|part| part.overdue).sum()
+    pub(super) fn overdue(&self) -> usize {
+        self.parts.iter().map(|part| part.on_expiry.count()).sum()
     }
 
     pub(super) fn bytes(&self) -> usize {

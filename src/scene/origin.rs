@@ -1,6 +1,6 @@
 //! Other coordinates: an origin in double precision, which follows the eye through a large world.
 
-use casca_slots::{AT_ONCE, Slot};
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::error::Error;
@@ -11,9 +11,9 @@ use crate::numeric::mesh::SINGLE;
 use crate::numeric::place::FARTHEST;
 use crate::object::{Bounds, Occluder, Placed};
 use crate::scene::Scene;
+use crate::scene::home::Hidden;
 use crate::scene::object::Object;
 use crate::scene::opacity::Opacity;
-use crate::scene::state::{Event, Hidden, State};
 use crate::scene::volume::Tbv;
 use crate::view::View;
 
@@ -142,7 +142,7 @@ impl Scene {
         (self.origin, self.grid) = (at, grid);
         self.opacity = Opacity::new();
         self.index.clear_lists();
-        self.clock.reports.leave_all_zones();
+        self.clock.reports.leave_all();
         self.changes.changed();
         self.changes.all_static_changed();
         let moved = self.changes.moved();
@@ -162,55 +162,34 @@ impl Scene {
         object.set_placed(placed);
         (object.bounds, object.in_zone, object.opacity) = (bounds, false, None);
         self.exchange_occluder(slot, occluder);
-        match self.object(slot).state() {
-            State::Listed => self.list(slot),
-            State::Overdue => {
-                self.slots[slot].apply(Event::Reported);
-                // It misses the report again.
-                self.list(slot);
-            }
-            State::Hidden(hidden) => self.shift_volume(slot, hidden, by, keeps_numbers),
-            // Its report finds a new volume.
-            State::Unlocated { volume } => {
-                self.lose(slot, volume.is_some());
-            }
+        match self.object(slot).volume() {
+            Some(&hidden) => self.shift_volume(slot, hidden, by, keeps_numbers),
+            None => self.list(slot),
         }
     }
 
-    /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still
-    /// inside.
+    /// Shifts the volume of an object, and leaves the object in it if it surely is still inside.
     fn shift_volume(&mut self, slot: Slot, hidden: Hidden, by: DVec3, keeps_numbers: bool) {
         let tbv = hidden.tbv.shifted(&self.grid, by);
         let object = self.object(slot);
         // The matrices know the volume by the numbers of its cells.
-        let inside = keeps_numbers && tbv.contains(&self.grid, &object.bounds.block());
-        // The place of an object that is not reported was rounded as its bounds were.
-        let largest = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
-        let off = SINGLE * (largest(&tbv.block) + largest(&hidden.tbv.block)) + 2.0 * self.grid.unit();
-        let speed = object.promised_speed().unwrap_or(0.0);
+        let mut inside = keeps_numbers && tbv.contains(&self.grid, &object.bounds.block());
         let mut expires = hidden.expires;
         if object.on_expiry() {
+            // The place of an object that is not reported was rounded as its bounds were.
+            let largest = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
+            let off = SINGLE * (largest(&tbv.block) + largest(&hidden.tbv.block)) + 2.0 * self.grid.unit();
+            let speed = object.promised_speed().unwrap_or(0.0);
             expires = (expires - (off / speed).next_up()).next_down();
-            // Also if it is NaN, for an object that does not move.
-            if !(inside && expires > self.clock.now) {
-                return self.lose(slot, true);
-            }
-        } else if !inside {
-            self.index.remove_volume(slot);
-            return self.list(slot);
+            // Not if it is NaN, either, for an object that does not move.
+            inside &= object.is_hidden() && expires > self.clock.now;
         }
-        self.changes.volume_is_new(slot, self.slots.len());
-        self.hide(slot, Hidden { tbv, expires, ..hidden });
-    }
-
-    /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported,
-    /// and its report is due.
-    fn lose(&mut self, slot: Slot, enclosed: bool) {
-        if enclosed {
-            self.index.remove_volume(slot);
+        if inside {
+            self.changes.volume_is_new(slot, self.slots.len());
+            self.hide(slot, Hidden { tbv, expires, ..hidden });
+        } else {
+            self.remove_volume(slot);
+            self.list(slot);
         }
-        self.slots[slot].apply(Event::Revealed);
-        self.index.always.insert(slot);
-        self.clock.queue(self.slots.id(slot), AT_ONCE);
     }
 }

@@ -21,9 +21,7 @@ use crate::scene::last_frame::LastFrame;
 use crate::scene::memory::{MemoryUse, shape_bytes};
 use crate::scene::opacity::Opacity;
 use crate::scene::spatial_index::SpatialIndex;
-use crate::scene::state::State;
 use crate::scene::user_data::UserData;
-use crate::scene::volumes::Volumes;
 use crate::scene::{Boxes, LayerOpacity, Movers, Object, ObjectBox, Scene, StaticChange};
 
 /// An object of a scene, to read. [`Scene::iter`] gives them.
@@ -172,10 +170,9 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn tbv(&self, id: ObjectId) -> Result<Option<(DVec3, DVec3)>, Error> {
-        Ok(match self.find(id)?.state() {
-            State::Hidden(hidden) => Some((hidden.tbv.block.min, hidden.tbv.block.max)),
-            _ => None,
-        })
+        let object = self.find(id)?;
+        let certain = object.volume().filter(|_| object.is_hidden());
+        Ok(certain.map(|hidden| (hidden.tbv.block.min, hidden.tbv.block.max)))
     }
 
     /// The layers that an object is on, a bit for each: see [`crate::ObjectDesc::layers`].
@@ -273,19 +270,27 @@ impl Scene {
     /// Txy, Txz, Tyz: the temporal bounding volumes.
     #[inline]
     pub(crate) fn tbv_matrix(&self) -> &TbvMatrix {
-        self.index.volumes.matrix()
+        &self.index.volumes
     }
 
-    /// All temporal bounding volumes.
+    /// The cells of an object's volume, if it is in one.
     #[inline]
-    pub(crate) fn volumes(&self) -> &Volumes {
-        &self.index.volumes
+    pub(crate) fn volume_cells(&self, slot: Slot) -> Option<&CellBox> {
+        self.object(slot).volume().map(|hidden| &hidden.tbv.cells)
+    }
+
+    /// The objects whose volumes contain a cell, on their surface or inside, in the order of slots.
+    pub(crate) fn volumes_around(&self, cell: IVec3) -> Vec<Slot> {
+        let contains = |&slot: &Slot| self.volume_cells(slot).is_some_and(|cells| cells.contains(cell));
+        let mut around: Vec<Slot> = self.tbv_matrix().ids(cell >> 3i32).filter(contains).collect();
+        around.sort_unstable();
+        around
     }
 
     /// The box of an object's volume, for a hidden object.
     pub(crate) fn volume_block(&self, slot: Slot) -> Block {
         let object = self.object(slot);
-        object.volume().map_or_else(|| object.bounds.block(), |tbv| tbv.block)
+        object.volume().map_or_else(|| object.bounds.block(), |hidden| hidden.tbv.block)
     }
 
     #[inline]
@@ -299,13 +304,12 @@ impl Scene {
         self.index.always.as_slice()
     }
 
-    /// Objects that every query counts as visible, beside those that it tests: they are overdue and
-    /// listed in zones.
+    /// The listed objects that every query counts as visible, since they are overdue.
     pub(crate) fn overdue(&self) -> impl Iterator<Item = Slot> {
         self.clock.reports.overdue()
     }
 
-    /// Whether there are overdue objects in zones.
+    /// Whether there are any.
     #[inline]
     pub(crate) fn any_overdue(&self) -> bool {
         self.clock.reports.count_overdue() > 0
@@ -315,7 +319,8 @@ impl Scene {
     #[inline]
     pub(crate) fn is_unlocated(&self, slot: Slot) -> bool {
         let object = self.object(slot);
-        object.is_unlocated() || object.in_zone && object.on_expiry() && !self.clock.reports.is_current(slot)
+        object.is_expired()
+            || object.on_expiry() && !object.is_hidden() && !self.clock.reports.is_current(slot)
     }
 
     /// Listed dynamic objects, those in zones included.

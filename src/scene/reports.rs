@@ -1,13 +1,49 @@
 //! When objects that are reported on expiry were last reported.
 //!
-//! Such an object is *overdue* if it is in no volume and was not reported since the clock last
-//! moved. Most are reported a moment later. So those that are listed in zones
-//! ([`crate::scene::movers`]) become overdue without a change of any list: this log tells which
-//! ones are, and how many. The others change their state ([`crate::scene::state`]).
+//! Such an object is *overdue* if it is listed and was not reported since the clock last moved. Most
+//! are reported a moment later. So they become overdue without a change of any list: this log tells
+//! which ones are, and how many.
 
 use casca_slots::Slot;
 
 use crate::scene::slot_bits::SlotBits;
+
+/// How many objects are reported on expiry, and how many of them are overdue.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Overdue {
+    all: usize,
+    overdue: usize,
+}
+
+impl Overdue {
+    /// How many are overdue.
+    #[inline]
+    pub(super) fn count(self) -> usize {
+        self.overdue
+    }
+
+    /// The clock moves.
+    pub(super) fn clock_moved(&mut self) {
+        self.overdue = self.all;
+    }
+
+    /// One that was overdue is reported.
+    pub(super) fn report(&mut self) {
+        self.overdue -= 1;
+    }
+
+    /// One comes, reported since the clock last moved or not.
+    pub(super) fn enter(&mut self, is_current: bool) {
+        self.all += 1;
+        self.overdue += usize::from(!is_current);
+    }
+
+    /// One goes.
+    pub(super) fn leave(&mut self, is_current: bool) {
+        self.all -= 1;
+        self.overdue -= usize::from(!is_current);
+    }
+}
 
 /// The last reports of objects that are reported on expiry.
 #[derive(Debug, Clone)]
@@ -16,16 +52,14 @@ pub(super) struct ReportLog {
     tick: u64,
     /// By slot: the tick of the last report, or 0.
     last: Vec<u64>,
-    /// Those listed in zones, and how many they are.
-    zoned: SlotBits,
-    count: usize,
-    /// How many of these are overdue.
-    overdue: usize,
+    /// Those that are listed.
+    listed: SlotBits,
+    counts: Overdue,
 }
 
 impl Default for ReportLog {
     fn default() -> Self {
-        Self { tick: 1, last: Vec::new(), zoned: SlotBits::default(), count: 0, overdue: 0 }
+        Self { tick: 1, last: Vec::new(), listed: SlotBits::default(), counts: Overdue::default() }
     }
 }
 
@@ -33,19 +67,28 @@ impl ReportLog {
     /// The clock moves: no report tells where an object is any more.
     pub(super) fn clock_moved(&mut self) {
         self.tick += 1;
-        self.overdue = self.count;
+        self.counts.clock_moved();
     }
 
-    /// An object is reported. Returns whether it is in a zone and was overdue.
+    /// An object is reported. Returns whether it was overdue.
     #[inline]
     pub(super) fn report(&mut self, slot: Slot) -> bool {
         if self.last.len() <= slot.index() {
             self.last.resize(slot.index() + 1, 0);
         }
         let before = std::mem::replace(&mut self.last[slot.index()], self.tick);
-        let overdue = before != self.tick && self.zoned.contains(slot);
-        self.overdue -= usize::from(overdue);
+        let overdue = before != self.tick && self.listed.contains(slot);
+        if overdue {
+            self.counts.report();
+        }
         overdue
+    }
+
+    /// An object comes to a slot, and is not reported yet.
+    pub(super) fn forget(&mut self, slot: Slot) {
+        if let Some(last) = self.last.get_mut(slot.index()) {
+            *last = 0;
+        }
     }
 
     /// Whether an object was reported since the clock last moved.
@@ -54,43 +97,41 @@ impl ReportLog {
         self.last.get(slot.index()) == Some(&self.tick)
     }
 
-    /// An object is listed in a zone from now on.
-    pub(super) fn enter_zone(&mut self, slot: Slot) {
-        if self.zoned.insert(slot) {
-            self.count += 1;
-            self.overdue += usize::from(!self.is_current(slot));
+    /// An object is listed from now on.
+    pub(super) fn enter(&mut self, slot: Slot) {
+        if self.listed.insert(slot) {
+            self.counts.enter(self.is_current(slot));
         }
     }
 
-    /// An object is in no zone any more; nothing changes if it was in none.
-    pub(super) fn leave_zone(&mut self, slot: Slot) {
-        if self.zoned.remove(slot) {
-            self.count -= 1;
-            self.overdue -= usize::from(!self.is_current(slot));
+    /// An object is not listed any more; nothing changes if it was not.
+    pub(super) fn leave(&mut self, slot: Slot) {
+        if self.listed.remove(slot) {
+            self.counts.leave(self.is_current(slot));
         }
     }
 
-    /// No object is in a zone any more.
-    pub(super) fn leave_all_zones(&mut self) {
-        self.zoned.clear();
-        (self.count, self.overdue) = (0, 0);
+    /// No object is listed any more.
+    pub(super) fn leave_all(&mut self) {
+        self.listed.clear();
+        self.counts = Overdue::default();
     }
 
-    /// How many objects in zones are overdue.
+    /// How many listed objects are overdue.
     #[inline]
     pub(super) fn count_overdue(&self) -> usize {
-        self.overdue
+        self.counts.count()
     }
 
-    /// The objects in zones that are overdue, in the order of slots. Costs nothing if there are
-    /// none, else a look at each object in a zone that is reported on expiry.
+    /// The listed objects that are overdue, in the order of slots. Costs nothing if there are none,
+    /// else a look at each listed object that is reported on expiry.
     pub(super) fn overdue(&self) -> impl Iterator<Item = Slot> {
-        let all = (self.overdue > 0).then(|| self.zoned.iter());
+        let all = (self.counts.count() > 0).then(|| self.listed.iter());
         all.into_iter().flatten().filter(|&slot| !self.is_current(slot))
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.last.capacity() * size_of::<u64>() + self.zoned.bytes()
+        self.last.capacity() * size_of::<u64>() + self.listed.bytes()
     }
 }
 
@@ -104,7 +145,7 @@ mod tests {
     #[test]
     fn the_log_knows_who_is_overdue() {
         let (mut log, mut random) = (ReportLog::default(), Random::new(4));
-        let (mut last, mut zoned, mut now) = (BTreeMap::new(), BTreeSet::new(), 0);
+        let (mut last, mut listed, mut now) = (BTreeMap::new(), BTreeSet::new(), 0);
         for _ in 0..6000 {
             let slot = Slot::new((random.next().abs() * 40.0) as u32);
             let current = last.get(&slot) == Some(&now);
@@ -114,24 +155,28 @@ mod tests {
                     now += 1;
                 }
                 1 => {
-                    log.leave_all_zones();
-                    zoned.clear();
+                    log.leave_all();
+                    listed.clear();
                 }
                 2..6 => {
-                    log.leave_zone(slot);
-                    zoned.remove(&slot);
+                    log.leave(slot);
+                    listed.remove(&slot);
                 }
                 6..11 => {
-                    log.enter_zone(slot);
-                    zoned.insert(slot);
+                    log.enter(slot);
+                    listed.insert(slot);
+                }
+                11 if !listed.contains(&slot) => {
+                    log.forget(slot);
+                    last.remove(&slot);
                 }
                 _ => {
-                    assert_eq!(log.report(slot), zoned.contains(&slot) && !current);
+                    assert_eq!(log.report(slot), listed.contains(&slot) && !current);
                     last.insert(slot, now);
                 }
             }
             let expected: Vec<_> =
-                zoned.iter().filter(|&slot| last.get(slot) != Some(&now)).copied().collect();
+                listed.iter().filter(|&slot| last.get(slot) != Some(&now)).copied().collect();
             let mut found: Vec<_> = log.overdue().collect();
             found.sort_unstable();
             assert_eq!((log.count_overdue(), found), (expected.len(), expected));

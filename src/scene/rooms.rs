@@ -1,9 +1,9 @@
 //! Rooms: where a moving object may go without a change of any list or matrix.
 //!
-//! A small moving object that hides nothing is listed in a zone ([`crate::scene::movers`]), or is
-//! in a temporal bounding volume. While its box stays inside of the room of that zone or of this
-//! volume, a report changes nothing but its bounds. Such a report is compared with the table of
-//! rooms alone, which has 32 bytes for each object.
+//! A moving object that hides nothing is listed in a zone or in bricks, or is in a temporal bounding
+//! volume ([`crate::scene::home`]). While its box stays inside of that, a report changes nothing but
+//! its bounds. Such a report is compared with the table of rooms alone, which has 32 bytes for each
+//! object.
 
 use casca_slots::{Id, Slot};
 use glam::Vec3A;

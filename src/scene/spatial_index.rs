@@ -6,59 +6,31 @@ use glam::{IVec3, Vec3A};
 
 use crate::geometry::{Aabb, Block};
 use crate::grid::cell_box::{CellBox, volume};
-use crate::grid::mask::{BRICK, NONE};
 use crate::grid::{Grid, reaches};
 use crate::matrix::ids::IdMatrix;
-use crate::object::{Bounds, Occluder};
+use crate::matrix::tbv::TbvMatrix;
+use crate::object::Bounds;
 use crate::scene::boxes::Boxes;
 use crate::scene::movers::Movers;
 use crate::scene::object::Object;
 use crate::scene::rooms::Rooms;
-use crate::scene::volumes::Volumes;
-use crate::shape::pieces::{Moved, touched};
+use crate::shape::pieces::touched;
 
 /// An object whose bounds span more cells than this is not written into I, which would take a
 /// brick for every 512 of them: it is tested against the frustum in every query.
 const MOST_SPANNED: u64 = 1 << 22;
 
-/// How the cells of a box stand for it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Span {
-    /// Whether all have coordinates.
-    inside: bool,
-    /// Whether they are few enough to be written into I.
-    few: bool,
+/// Whether the cells of a box all have coordinates and are few enough for I.
+fn suits_cells(grid: &Grid, block: &Block) -> bool {
+    let (lo, hi) = grid.cover(block.min, block.max);
+    reaches(lo) && reaches(hi) && volume(lo, hi) <= MOST_SPANNED
 }
 
-impl Span {
-    pub(super) fn of(grid: &Grid, block: &Block) -> Self {
-        let (lo, hi) = grid.cover(block.min, block.max);
-        Self { inside: reaches(lo) && reaches(hi), few: volume(lo, hi) <= MOST_SPANNED }
-    }
-
-    /// Whether the object is in cells, so that the walk over these finds it.
-    pub(super) fn suffices(self) -> bool {
-        self.inside && self.few
-    }
-}
-
-/// Whether two shapes surely touch the same bricks, none of them wholly.
-fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
-    // A mesh may be in several pieces, none of them in a brick between two others.
-    if [old, new].iter().any(|bounds| matches!(bounds, Bounds::Mesh(_))) {
-        return false;
-    }
-    let cover = |shape: &Bounds| {
-        let block = shape.block();
-        grid.cover(block.min, block.max)
-    };
-    let ((lo, hi), (old_lo, old_hi)) = (cover(new), cover(old));
-    let same = lo >> 3i32 == old_lo >> 3i32 && hi >> 3i32 == old_hi >> 3i32;
-    // A connected shape touches all bricks of its box if those are a row.
-    let rows = (hi >> 3i32).cmpgt(lo >> 3i32).bitmask().count_ones() <= 1;
-    let whole = |lo: IVec3, hi: IVec3| (hi - lo).min_element() >= BRICK - 1;
-    let inside = [lo, hi, old_lo, old_hi].into_iter().all(reaches);
-    same && rows && inside && !whole(lo, hi) && !whole(old_lo, old_hi)
+/// The bricks of the box of some bounds.
+fn bricks_of(grid: &Grid, bounds: &Bounds) -> CellBox {
+    let block = bounds.block();
+    let (lo, hi) = grid.cover(block.min, block.max);
+    CellBox { lo, hi }.bricks()
 }
 
 /// The zone to list an object in instead of cells, with some bounds, if it may be: it moves, is
@@ -79,18 +51,15 @@ pub(super) struct SpatialIndex {
     pub(super) boxes: Boxes,
     /// Listed dynamic objects.
     pub(super) movers: SlotSet,
-    /// Those of them that are reported on expiry and are in no zone.
-    pub(super) on_expiry: SlotSet,
-    /// Objects tested in every query: beyond the reach of coordinates, too large, overdue or
-    /// unlocated.
+    /// Objects tested in every query: beyond the reach of coordinates, too large, or in a
+    /// volume whose time is over.
     pub(super) always: SlotSet,
     /// Small moving objects, by zones.
     pub(super) zones: Movers,
     /// Where objects may go without a change of the matrices.
     pub(super) rooms: Rooms,
-    pub(super) volumes: Volumes,
-    /// Memory used again: the cells of an object that moves.
-    moved: Moved,
+    /// Txy, Txz, Tyz: the surfaces of the volumes.
+    pub(super) volumes: TbvMatrix,
 }
 
 impl SpatialIndex {
@@ -106,60 +75,50 @@ impl SpatialIndex {
             self.enter_zone(grid, (id, zone), object.is_plain(), corners(&object.bounds));
             return;
         }
-        let span = Span::of(grid, &object.bounds.block());
-        object.in_cells = span.suffices();
-        if object.in_cells {
-            touched(&object.bounds, grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
-        }
+        object.in_cells = suits_cells(grid, &object.bounds.block());
         if !object.in_cells {
             self.always.insert(slot);
-        }
-        if object.on_expiry() {
-            self.on_expiry.insert(slot);
+        } else if object.is_static() {
+            touched(&object.bounds, grid, &mut |piece| piece.bricks(|brick, _| self.ids.insert(brick, slot)));
+        } else {
+            self.enter_bricks(grid, id, object);
         }
     }
 
     /// Takes a listed object out of I or its zone, and out of the lists.
     pub(super) fn unlist(&mut self, grid: &Grid, slot: Slot, object: &mut Object) {
+        self.rooms.close(slot);
         if std::mem::take(&mut object.in_zone) {
-            self.rooms.close(slot);
             self.zones.remove(slot);
-            object.in_cells = false;
+        } else if object.in_cells && object.is_static() {
+            touched(&object.bounds, grid, &mut |piece| piece.bricks(|brick, _| self.ids.remove(brick, slot)));
+        } else if object.in_cells {
+            object.bricks().cells().for_each(|brick| self.ids.remove(brick, slot));
         }
-        if std::mem::take(&mut object.in_cells) {
-            touched(&object.bounds, grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
-        }
+        object.in_cells = false;
         self.always.remove(slot);
         self.movers.remove(slot);
-        self.on_expiry.remove(slot);
     }
 
-    /// Moves the cells of a small dynamic object in I; false, without a change, for others.
-    pub(super) fn move_cells(
-        &mut self,
-        grid: &Grid,
-        (slot, object): (Slot, &Object),
-        bounds: &Bounds,
-        occluder: Option<&Occluder>,
-    ) -> bool {
-        let in_cells = object.in_cells && !self.always.contains(slot);
-        let hides = object.occluder().is_some() || occluder.is_some();
-        // From now on it is listed in other ways.
-        if object.in_zone || !hides && zone_for(grid, object, bounds).is_some() {
-            return false;
+    /// Writes a mover into all bricks of its box. One that hides nothing may go where it likes in these.
+    fn enter_bricks(&mut self, grid: &Grid, id: Id, object: &mut Object) {
+        let bricks = bricks_of(grid, &object.bounds);
+        bricks.cells().for_each(|brick| self.ids.insert(brick, id.slot()));
+        object.set_bricks(bricks);
+        if object.given_occluder().is_none() {
+            self.rooms.open(id, &Block::new(grid.bricks().range_bounds(bricks.lo, bricks.hi)));
         }
-        if in_cells && !hides && touch_same_bricks(grid, &object.bounds, bounds) {
-            return true;
-        }
-        let after = Span::of(grid, &bounds.block());
-        // An occluder that comes or goes joins or leaves its part of the opacity.
-        let same_part = object.occluder().is_some() == occluder.is_some();
-        let simple = !object.is_static() && in_cells && same_part && after.suffices();
-        if !simple || !self.moved.touched(&object.bounds, bounds, grid) {
-            return false;
-        }
-        self.moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
-        true
+    }
+
+    /// Whether a mover that goes to other bounds, with or without an occluder as before, stays in the
+    /// bricks that list it.
+    pub(super) fn stays_in_bricks(&self, grid: &Grid, object: &Object, bounds: &Bounds, hides: bool) -> bool {
+        let as_before = object.in_cells && !object.in_zone && object.occluder().is_some() == hides;
+        as_before
+            && !object.is_static()
+            && suits_cells(grid, &bounds.block())
+            && bricks_of(grid, bounds) == object.bricks()
+            && (hides || zone_for(grid, object, bounds).is_none())
     }
 
     /// Writes an object with a box into the list of a zone, out of any other.
@@ -189,19 +148,13 @@ impl SpatialIndex {
 
     /// A block of bricks around all objects and volumes that are somewhere.
     pub(super) fn extent(&self) -> Option<CellBox> {
-        let all = [self.ids.pages().extent(), self.volumes.matrix().pages().extent(), self.zones.extent()];
+        let all = [self.ids.pages().extent(), self.volumes.pages().extent(), self.zones.extent()];
         all.into_iter().flatten().reduce(CellBox::join)
-    }
-
-    /// Takes an object out of its volume.
-    pub(super) fn remove_volume(&mut self, slot: Slot) {
-        self.volumes.remove(slot);
-        self.rooms.close(slot);
     }
 
     /// Empties all but the volumes and the boxes.
     pub(super) fn clear_lists(&mut self) {
-        (self.ids, self.movers, self.on_expiry, self.always) = Default::default();
+        (self.ids, self.movers, self.always) = Default::default();
         self.rooms.clear();
         self.zones.clear();
     }
@@ -210,11 +163,9 @@ impl SpatialIndex {
     pub(super) fn bytes_of_lists(&self) -> usize {
         self.boxes.bytes()
             + self.movers.bytes()
-            + self.on_expiry.bytes()
             + self.always.bytes()
             + self.zones.bytes()
             + self.rooms.bytes()
-            + self.moved.bytes()
     }
 }
 

@@ -1,59 +1,54 @@
-//! The transitions of objects between their states, with their effects on matrices, lists and
-//! volumes.
-//!
-//! Each function causes the events that the tables of [`crate::scene::state`] name for it.
+//! How objects come from one home to another, with the effects on matrices, lists and volumes: the
+//! second table of [`crate::scene::home`].
 
-use casca_slots::{AT_ONCE, Expiry, Slot};
+use casca_slots::{Expiry, Slot};
 use glam::IVec3;
 
+use crate::grid::cell_box::{CellBox, volume};
 use crate::grid::mask::BRICK;
 use crate::numeric::scene::earliest_arrival;
 use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
+use crate::scene::home::{Hidden, Validity};
 use crate::scene::solids::{add_static_solid, remove_static_solid};
-use crate::scene::spatial_index::{Span, zone_for};
-use crate::scene::state::{Event, Hidden, State};
+use crate::scene::spatial_index::zone_for;
 use crate::scene::static_solids::StaticSolids;
-use crate::scene::validity::Validity;
-use crate::scene::volume::Tbv;
+use crate::scene::volume::{MOST_CELLS, Tbv};
 
-/// An unlocated object keeps its old volume if the room there is at least this share of the slack
-/// of a new one.
+/// An object keeps a volume whose time was over if the room there is at least this share of the
+/// distance that it goes while a new one would last.
 const WORTH_KEEPING: f64 = 0.5;
 
 impl Scene {
     /// An object is reported to be somewhere.
     pub(super) fn report(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
         self.note_report(slot);
-        self.locate(slot);
         let object = &mut self.slots[slot];
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
-        if same && !object.is_unlocated() || occluder.is_none() && self.stay_in_room(slot, &bounds) {
+        if same && !object.is_expired() || occluder.is_none() && self.stay_in_room(slot, &bounds) {
             return;
         }
         let object = &mut self.slots[slot];
         object.moved = self.changes.moved();
-        let state = object.state();
+        let volume = object.volume().copied();
         self.note_static(slot);
-        match state {
-            State::Listed | State::Overdue => {
-                self.changes.changed();
-                self.relist(slot, bounds, occluder);
-            }
-            State::Hidden(hidden) => {
-                self.exchange_shape(slot, bounds, occluder);
-                self.hidden_moved(slot, hidden);
-            }
-            State::Unlocated { volume } => {
-                self.exchange_shape(slot, bounds, occluder);
-                self.found_again(slot, volume);
-            }
+        if let Some(hidden) = volume {
+            self.exchange_shape(slot, bounds, occluder);
+            self.hidden_moved(slot, hidden);
+        } else {
+            self.changes.changed();
+            self.relist(slot, bounds, occluder);
         }
     }
 
     /// Notes when an object was reported, where that matters.
     pub(super) fn note_report(&mut self, slot: Slot) {
-        if self.object(slot).on_expiry() && self.clock.reports.report(slot) {
+        let object = &self.slots[slot];
+        if object.on_expiry() && self.clock.reports.report(slot) {
+            // Its occluder counts again.
+            if let Some(part) = object.opacity {
+                self.opacity.part_mut(part).on_expiry.report();
+            }
             self.changes.changed();
         }
     }
@@ -71,14 +66,12 @@ impl Scene {
     /// its layers.
     pub(super) fn change_layers(&mut self, slot: Slot, layers: u64) {
         let object = self.object(slot);
-        let listed = matches!(object.state(), State::Listed | State::Overdue);
-        if !listed || object.occluder().is_none() {
+        if object.volume().is_some() || object.occluder().is_none() {
             self.slots[slot].layers = layers;
             self.index.boxes.put(slot, &self.slots[slot]);
             self.refresh_mover(slot);
             return;
         }
-        self.locate(slot);
         self.unlist(slot);
         self.slots[slot].layers = layers;
         self.list(slot);
@@ -87,17 +80,13 @@ impl Scene {
     /// Writes an object that is in no matrix into I and O.
     pub(super) fn list(&mut self, slot: Slot) {
         let object = &mut self.slots[slot];
-        object.apply(Event::Listed);
+        object.set_volume(None);
         // A mesh finds its cells once for the bounds and the occluder.
         let _cells = object.occluder().and_then(|o| o.cache_cells(&self.grid));
         self.index.list(&self.grid, self.slots.id(slot), &mut self.slots[slot]);
         let object = &self.slots[slot];
-        let on_expiry = object.on_expiry();
-        if object.in_zone {
-            if on_expiry {
-                self.clock.reports.enter_zone(slot);
-            }
-            return;
+        if object.on_expiry() {
+            self.clock.reports.enter(slot);
         }
         if let Some(occluder) = object.occluder()
             && let Some(part) = self.opacity.join(object.layers)
@@ -109,16 +98,16 @@ impl Scene {
             } else {
                 cells.moving.add(occluder, &self.grid);
             }
+            if object.on_expiry() {
+                cells.on_expiry.enter(self.clock.reports.is_current(slot));
+            }
             self.slots[slot].opacity = Some(part);
-        }
-        if on_expiry && !self.clock.reports.is_current(slot) {
-            self.miss(slot);
         }
     }
 
     /// Erases a listed object from I and O.
     fn unlist(&mut self, slot: Slot) {
-        self.clock.reports.leave_zone(slot);
+        self.clock.reports.leave(slot);
         let object = &mut self.slots[slot];
         let _cells = object.occluder().and_then(|o| o.cache_cells(&self.grid));
         self.index.unlist(&self.grid, slot, object);
@@ -133,29 +122,28 @@ impl Scene {
             Some(occluder) => cells.moving.remove(occluder, &self.grid),
             None => {}
         }
+        if object.on_expiry() {
+            cells.on_expiry.leave(self.clock.reports.is_current(slot));
+        }
         self.opacity.leave(part);
     }
 
-    /// Moves a listed object: only the cells that change are touched, unless they are many.
+    /// Moves a listed object. An occluder that stays in its bricks moves its opaque cells alone.
     fn relist(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
         let (grid, object, hides) = (&self.grid, &self.slots[slot], occluder.as_ref());
-        let by_zones = hides.is_none() && object.in_zone && zone_for(grid, object, &bounds).is_some();
-        if !by_zones {
-            // Another surface may find no numbers left, and then hides nothing.
-            if !object.keeps_surface(hides) || !self.index.move_cells(grid, (slot, object), &bounds, hides) {
-                self.unlist(slot);
-                self.exchange_shape(slot, bounds, occluder);
-                return self.list(slot);
-            }
-            if let Some(part) = object.opacity {
-                self.opacity.move_occluder(grid, part, object.occluder(), hides);
-            }
+        // Another surface may find no numbers left, and then hides nothing.
+        let stays =
+            object.keeps_surface(hides) && self.index.stays_in_bricks(grid, object, &bounds, hides.is_some());
+        if !stays {
+            self.unlist(slot);
+            self.exchange_shape(slot, bounds, occluder);
+            return self.list(slot);
+        }
+        if let Some(part) = object.opacity {
+            self.opacity.move_occluder(grid, part, object.occluder(), hides);
         }
         self.exchange_shape(slot, bounds, occluder);
         self.index.boxes.put(slot, &self.slots[slot]);
-        if by_zones {
-            self.refresh_mover(slot);
-        }
     }
 
     /// Brings the entry of an object in the list of its zone up to date with it.
@@ -198,95 +186,50 @@ impl Scene {
         self.slots[slot].bounds = bounds;
     }
 
-    /// A hidden object was reported elsewhere: inside its volume it stays.
+    /// An object in a volume was reported: where that serves it stays. Else it is listed, or, where
+    /// reports are saved by it, gets a new volume at once.
     fn hidden_moved(&mut self, slot: Slot, hidden: Hidden) {
         let object = &mut self.slots[slot];
-        let block = object.bounds.block();
-        if hidden.tbv.contains(&self.grid, &block) {
-            if object.on_expiry() {
-                let room = hidden.tbv.room(&block);
-                self.enclose_again(slot, hidden, room);
-            }
+        let (block, expired, on_expiry) = (object.bounds.block(), object.is_expired(), object.on_expiry());
+        let inside = hidden.tbv.contains(&self.grid, &block);
+        if inside && !on_expiry {
             return;
         }
-        object.adapt(Validity::outlived);
-        let (bounds, on_expiry) = (object.bounds.clone(), object.on_expiry());
-        self.index.remove_volume(slot);
-        self.changes.changed();
-        // Lists of zones cost less than a volume that does not last.
-        if !on_expiry
-            && self.clock.was_short(&hidden, false)
-            && zone_for(&self.grid, self.object(slot), &bounds).is_some()
-        {
-            self.clock.rest(slot);
-            return self.list(slot);
-        }
-        let volume = self.make_volume(slot);
-        self.enclose_or_list(slot, volume);
-    }
-
-    /// An unlocated object was reported. Where a new volume would not last much longer, the old one
-    /// stays.
-    fn found_again(&mut self, slot: Slot, volume: Option<Tbv>) {
-        self.index.always.remove(slot);
-        self.changes.changed();
-        let object = &mut self.slots[slot];
-        object.adapt(Validity::outlived);
-        let block = object.bounds.block();
-        if volume.is_none() {
-            // A view saw its last volume. The next one tells whether it sees the object; a new
-            // volume would only be seen again.
-            return self.list(slot);
-        }
-        if self.clock.resting.contains(slot) && zone_for(&self.grid, object, &object.bounds).is_some() {
-            // Reports in each frame cost less than a volume that does not last.
-            self.index.remove_volume(slot);
-            return self.list(slot);
-        }
-        let next = self.make_volume(slot);
-        if let (Some(old), Some(new)) = (volume, &next) {
-            let room = old.room(&block);
-            if room >= WORTH_KEEPING * new.tbv.slack {
-                self.changes.volume_is_new(slot, self.slots.len());
-                self.enclose_again(slot, Hidden { tbv: old, queued: f64::INFINITY, ..*new }, room);
-                return;
-            }
-        }
-        self.index.remove_volume(slot);
-        self.enclose_or_list(slot, next);
-    }
-
-    /// The place of an object that is listed in no zone is not known any more: until it is reported
-    /// it counts as visible and hides nothing. Its cells stay, since its report mostly comes at
-    /// once.
-    pub(super) fn miss(&mut self, slot: Slot) {
-        let object = &mut self.slots[slot];
-        if object.apply(Event::Missed) {
-            self.opacity.miss(object.opacity);
-            self.index.always.insert(slot);
+        let room = hidden.tbv.room(&block);
+        if expired || !inside {
+            object.adapt(Validity::outlived);
             self.changes.changed();
         }
-    }
-
-    /// The place of an object is known again, or does not matter any more.
-    pub(super) fn locate(&mut self, slot: Slot) {
-        let object = &mut self.slots[slot];
-        if object.is_overdue() && object.apply(Event::Reported) {
-            self.opacity.locate(object.opacity);
-            if Span::of(&self.grid, &object.bounds.block()).suffices() {
+        let wanted = self.distance(slot).min(MOST_CELLS * self.grid.cell_size());
+        if inside && (!expired || room >= WORTH_KEEPING * wanted && !self.clock.is_resting(slot)) {
+            let expires =
+                earliest_arrival(self.clock.now, room, self.object(slot).promised_speed().unwrap_or(0.0));
+            let mut again = Hidden { expires, ..hidden };
+            if expired {
                 self.index.always.remove(slot);
+                self.changes.volume_is_new(slot, self.slots.len());
+                let (since, made) = (self.clock.frame, self.clock.now);
+                again = Hidden { queued: f64::INFINITY, since, made, ..again };
             }
-            self.changes.changed();
+            return self.hide(slot, again);
+        }
+        if !on_expiry {
+            self.tire(slot);
+        }
+        self.remove_volume(slot);
+        self.list(slot);
+        if on_expiry && !self.clock.is_resting(slot) {
+            // It would be due in each frame until its turn comes.
+            self.try_hide(slot);
         }
     }
 
-    /// The volume of an object that is reported on expiry is over. If it did not last, a small
-    /// object gets none for some time.
+    /// The volume of an object is over. If it did not last, a small object gets none for some time:
+    /// lists of zones cost less.
     fn tire(&mut self, slot: Slot) {
         let object = &self.slots[slot];
-        if let State::Hidden(hidden) = object.state()
-            && object.on_expiry()
-            && self.clock.was_short(&hidden, true)
+        if let Some(hidden) = object.volume()
+            && self.clock.was_short(hidden, object.on_expiry())
             && zone_for(&self.grid, object, &object.bounds).is_some()
         {
             self.clock.rest(slot);
@@ -300,116 +243,91 @@ impl Scene {
             return false;
         }
         let object = &mut self.slots[entry.slot];
-        match object.state() {
-            // Queued again since: that entry counts.
-            State::Hidden(hidden) if hidden.queued != entry.at => false,
-            State::Hidden(Hidden { expires, .. }) if !backwards && expires > self.clock.now => {
-                object.apply(Event::Requeued(expires));
-                self.clock.queue(self.slots.id(entry.slot), expires);
-                false
-            }
-            State::Hidden(_) => {
-                self.tire(entry.slot);
-                let object = &mut self.slots[entry.slot];
-                object.apply(Event::Expired);
-                self.index.always.insert(entry.slot);
-                self.changes.changed();
-                true
-            }
-            // Revealed in the last frame: its bounds are old.
-            State::Unlocated { .. } => entry.at == AT_ONCE,
-            State::Listed | State::Overdue => false,
-        }
-    }
-
-    /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
-    pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
-        self.tire(slot);
-        self.index.remove_volume(slot);
-        let (id, object) = (self.slots.id(slot), &mut self.slots[slot]);
-        object.adapt(Validity::revealed);
-        if object.on_expiry() {
-            object.apply(Event::Revealed);
-            self.index.always.insert(slot);
-            self.changes.changed();
-            self.clock.queue(id, AT_ONCE);
-        } else if seen {
-            self.list(slot);
-        } else {
-            let volume = self.make_volume(slot);
-            self.enclose_or_list(slot, volume);
-        }
-    }
-
-    /// No view saw a listed dynamic object: puts it into a volume, if one fits.
-    pub(super) fn try_hide(&mut self, slot: Slot) -> bool {
-        // A volume around an old place contains nothing for certain.
-        if self.is_unlocated(slot) {
+        let queued = object.volume().filter(|hidden| hidden.queued == entry.at);
+        let Some(&hidden) = queued.filter(|_| object.is_hidden()) else {
+            // It was queued again since, or is due already, or in no volume.
+            return false;
+        };
+        if !backwards && hidden.expires > self.clock.now {
+            object.set_volume(Some(Hidden { queued: hidden.expires, ..hidden }));
+            self.clock.queue(self.slots.id(entry.slot), hidden.expires);
             return false;
         }
-        let Some(hidden) = self.make_volume(slot) else { return false };
-        self.unlist(slot);
-        self.enclose(slot, hidden);
+        object.expire();
+        self.tire(entry.slot);
+        self.index.always.insert(entry.slot);
+        self.changes.changed();
         true
+    }
+
+    /// A view saw the volume of a hidden object.
+    pub(super) fn reveal(&mut self, slot: Slot) {
+        self.slots[slot].adapt(Validity::revealed);
+        if self.object(slot).on_expiry() {
+            self.tire(slot);
+            // Its report is due, though it is in sight.
+            self.clock.reports.forget(slot);
+            self.last_frame.seen.remove(slot);
+            self.changes.changed();
+        }
+        self.remove_volume(slot);
+        self.list(slot);
+    }
+
+    /// No view saw a listed dynamic object: puts it into a volume, if one fits, and tells into how many
+    /// bricks that reaches.
+    pub(super) fn try_hide(&mut self, slot: Slot) -> Option<usize> {
+        // A volume around an old place contains nothing for certain.
+        if self.is_unlocated(slot) {
+            return None;
+        }
+        let object = self.object(slot);
+        let (block, speed) = (object.bounds.block(), object.promised_speed().unwrap_or(0.0));
+        let extent = self.index.extent().map_or(IVec3::ZERO, |all| (all.hi - all.lo + 1) * BRICK);
+        // What lasts until it expires, or was seen, is where the object may be: not in all its cells.
+        let bounds = (&block, object.on_expiry() || object.validity().was_revealed());
+        let distance = self.distance(slot);
+        let viewers = &self.last_frame.viewers;
+        let tbv = Tbv::around(&self.grid, extent, bounds, distance, viewers)?;
+        self.unlist(slot);
+        self.index.volumes.insert(&tbv.cells, slot);
+        self.changes.changed();
+        self.changes.volume_is_new(slot, self.slots.len());
+        let expires = earliest_arrival(self.clock.now, tbv.room(&block), speed);
+        let (since, made) = (self.clock.frame, self.clock.now);
+        self.hide(slot, Hidden { tbv, expires, queued: f64::INFINITY, since, made });
+        let CellBox { lo, hi } = tbv.cells.bricks();
+        Some(volume(lo, hi) as usize)
+    }
+
+    /// How far an object is taken to go while its next volume lasts. Without a promise it crosses a
+    /// cell in a second.
+    fn distance(&self, slot: Slot) -> f64 {
+        let object = self.object(slot);
+        object.promised_speed().unwrap_or(self.grid.cell_size()) * object.validity().seconds()
     }
 
     /// Takes an object out of the scene.
     pub(super) fn take_out(&mut self, slot: Slot) {
         self.changes.changed();
         self.note_static(slot);
-        self.locate(slot);
-        match self.object(slot).state() {
-            State::Listed | State::Overdue => self.unlist(slot),
-            State::Hidden(_) => self.index.remove_volume(slot),
-            State::Unlocated { volume } => {
-                self.index.always.remove(slot);
-                if volume.is_some() {
-                    self.index.remove_volume(slot);
-                }
-            }
+        if self.object(slot).volume().is_some() {
+            self.remove_volume(slot);
+        } else {
+            self.unlist(slot);
         }
         self.exchange_occluder(slot, None);
         self.last_frame.seen.remove(slot);
         self.slots.remove(slot);
     }
 
-    /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in
-    /// the queue.
-    fn make_volume(&self, slot: Slot) -> Option<Hidden> {
-        let object = self.object(slot);
-        let (speed, block) = (object.promised_speed(), object.bounds.block());
-        // Without a promise it is taken to cross a cell in a second.
-        let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity().seconds();
-        let extent = self.index.extent().map_or(IVec3::ZERO, |all| (all.hi - all.lo + 1) * BRICK);
-        // What lasts until it expires, or was seen, is where the object may be: not in all its cells.
-        let bounds = (&block, object.on_expiry() || object.validity().was_revealed());
-        let tbv = Tbv::around(&self.grid, extent, bounds, distance, &self.last_frame.viewers)?;
-        let expires = earliest_arrival(self.clock.now, tbv.room(&block), speed.unwrap_or(0.0));
-        let (since, made) = (self.clock.frame, self.clock.now);
-        Some(Hidden { tbv, expires, queued: f64::INFINITY, since, made })
-    }
-
-    /// Puts an object that is in no matrix into a volume, or into I and O.
-    fn enclose_or_list(&mut self, slot: Slot, volume: Option<Hidden>) {
-        match volume {
-            Some(hidden) => self.enclose(slot, hidden),
-            None => self.list(slot),
+    /// Takes an object out of its volume, if it is in one.
+    pub(super) fn remove_volume(&mut self, slot: Slot) {
+        if let Some(hidden) = self.slots[slot].volume() {
+            self.index.volumes.remove(&hidden.tbv.cells, slot);
+            self.index.rooms.close(slot);
+            self.index.always.remove(slot);
         }
-    }
-
-    /// Puts an object that is in no matrix into a new volume.
-    fn enclose(&mut self, slot: Slot, hidden: Hidden) {
-        self.index.volumes.insert(slot, &hidden.tbv);
-        self.changes.changed();
-        self.changes.volume_is_new(slot, self.slots.len());
-        self.hide(slot, hidden);
-    }
-
-    /// Leaves an object in the volume that it has, `room` away from its walls. If it has no entry
-    /// in the queue, `queued` is infinite.
-    fn enclose_again(&mut self, slot: Slot, hidden: Hidden, room: f64) {
-        let speed = self.object(slot).promised_speed().unwrap_or(0.0);
-        self.hide(slot, Hidden { expires: earliest_arrival(self.clock.now, room, speed), ..hidden });
     }
 
     /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
@@ -423,7 +341,7 @@ impl Scene {
         if !object.on_expiry() && object.given_occluder().is_none() {
             self.index.rooms.open(id, &hidden.tbv.block);
         }
-        self.slots[slot].apply(Event::Enclosed(hidden));
+        self.slots[slot].set_volume(Some(hidden));
     }
 }
 

@@ -13,7 +13,7 @@ use crate::grid::{Grid, reaches};
 
 /// Volumes are widened by at most this many cells: the cost of writing one grows with the square of
 /// the widening, the time that it lasts only with the widening.
-const MOST_CELLS: f64 = 8.0;
+pub(super) const MOST_CELLS: f64 = 8.0;
 
 /// A volume is no larger than a rectangle whose sides are those of all that is there, divided by
 /// this (thesis, section 3.4.1, where it is the grid).

@@ -174,7 +174,8 @@ impl Masks {
     }
 }
 
-/// The cells of a shape before and after it moved, where both are small and close together.
+/// The cells that a shape made opaque before and after it moved, where both are small and close
+/// together.
 #[derive(Clone, Default)]
 pub(crate) struct Moved {
     old: Masks,
@@ -182,17 +183,9 @@ pub(crate) struct Moved {
 }
 
 impl Moved {
-    /// Finds the cells that a shape touched and touches; false if they are too many.
-    pub(crate) fn touched<T: Parts>(&mut self, old: &T, new: &T, grid: &Grid) -> bool {
-        self.find([Some(old), Some(new)], grid, Which::Touched)
-    }
-
     /// Finds the cells that a shape made and makes opaque; false if they are too many.
     pub(crate) fn opaque<T: Parts>(&mut self, old: Option<&T>, new: Option<&T>, grid: &Grid) -> bool {
-        self.find([old, new], grid, Which::Opaque)
-    }
-
-    fn find<T: Parts>(&mut self, shapes: [Option<&T>; 2], grid: &Grid, which: Which) -> bool {
+        let shapes = [old, new];
         let blocks = shapes.map(|shape| {
             let (min, max) = shape?.bounds();
             let (lo, hi) = grid.cover(min, max);
@@ -209,7 +202,7 @@ impl Moved {
         for ((masks, block), shape) in [&mut self.old, &mut self.new].into_iter().zip(blocks).zip(shapes) {
             masks.begin(&all.unwrap_or(CellBox { lo: IVec3::ONE, hi: IVec3::ZERO }));
             if let (Some(shape), Some(_)) = (shape, block) {
-                masks.write(shape, grid, which);
+                masks.write(shape, grid, Which::Opaque);
             }
         }
         true

@@ -8,9 +8,6 @@ use crate::slot::Slot;
 /// The queue is looked through for old entries when it is longer than this and twice the objects.
 const MANY: usize = 64;
 
-/// The time of an entry that is due at once, whatever the clock says.
-pub const AT_ONCE: f64 = f64::NEG_INFINITY;
-
 /// A slot whose value expires. Earlier ones are greater, so that a heap gives them first; those of
 /// one time are ordered by slot and generation, the lesser first.
 #[derive(Debug, Clone, Copy)]
@@ -91,7 +88,7 @@ mod tests {
     fn entries_come_by_time_then_slot_then_generation() {
         let mut queue = ExpiryQueue::default();
         let order = [
-            entry(AT_ONCE, 9, 0),
+            entry(f64::NEG_INFINITY, 9, 0),
             entry(-1.0, 7, 0),
             entry(0.5, 1, 3),
             entry(0.5, 1, 4),

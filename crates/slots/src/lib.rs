@@ -23,7 +23,7 @@ mod set;
 mod slot;
 mod slots;
 
-pub use expiry::{AT_ONCE, Expiry, ExpiryQueue};
+pub use expiry::{Expiry, ExpiryQueue};
 pub use set::SlotSet;
 pub use slot::{Id, Slot};
 pub use slots::{MOST_SLOTS, Slots};

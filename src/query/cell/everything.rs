@@ -3,6 +3,7 @@
 
 use casca_slots::Slot;
 
+use crate::grid::cell_box::CellBox;
 use crate::query::cell::finder::Finder;
 
 /// An entry of the list of all that the frustum meets, in the order in which it is found.
@@ -17,9 +18,9 @@ enum Found {
 pub(super) fn find_everything(finder: &mut Finder) {
     let (scene, view, shells) = (finder.scene, finder.view, finder.shells);
     let may_see_volume_of = |slot: Slot| {
-        let volumes = scene.volumes();
-        let (cells, v) = (volumes.cells(slot), shells.cell);
-        view.may_see_volume(&scene.volume_block(slot)) || shells.frustum.meets(cells.lo - v, cells.hi - v)
+        let in_frustum =
+            |cells: &CellBox| shells.frustum.meets(cells.lo - shells.cell, cells.hi - shells.cell);
+        view.may_see_volume(&scene.volume_block(slot)) || scene.volume_cells(slot).is_some_and(in_frustum)
     };
     let mut found = Vec::new();
     for (slot, object) in scene.living().filter(|(_, object)| object.is_shown(view)) {

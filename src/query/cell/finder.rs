@@ -37,9 +37,7 @@ impl Finder<'_> {
     /// Decides the objects in the viewer's own cell, and reveals the volumes around it.
     pub(super) fn first_cell(&mut self, lists: &CellLists) {
         lists.of(self.shells.cell).for_each(|slot| self.decide(slot));
-        let mut around = Vec::new();
-        self.scene.volumes().holding(self.shells.cell, |slot| around.push(slot));
-        around.sort_unstable();
+        let around = self.scene.volumes_around(self.shells.cell);
         around.into_iter().for_each(|slot| self.reveal(slot, 0));
         if let Some(first) = self.pending.first_mut() {
             for (_, slot) in std::mem::take(first) {
@@ -151,8 +149,9 @@ impl Finder<'_> {
         for Hit { brick, tile, objects } in hits.drain(..) {
             if !objects {
                 for slot in scene.tbv_matrix().ids(brick) {
+                    let surface = |cells| TbvMatrix::surface_tile(cells, brick, &axes, at);
                     if !self.marks.is_revealed(slot)
-                        && TbvMatrix::surface_tile(scene.volumes().cells(slot), brick, &axes, at) & tile != 0
+                        && scene.volume_cells(slot).is_some_and(|cells| surface(cells) & tile != 0)
                     {
                         self.reveal(slot, m);
                     }

@@ -113,11 +113,10 @@ impl Remaining {
             return None;
         }
         let object = scene.living_at(slot).filter(|object| object.is_shown(finder.view))?;
-        let (is_hidden, volumes) = (object.is_hidden(), scene.volumes());
-        if is_hidden && !finder.marks.is_revealed(slot) {
-            return Some(*volumes.cells(slot));
+        if object.is_hidden() && !finder.marks.is_revealed(slot) {
+            return scene.volume_cells(slot).copied();
         }
-        if !is_hidden && !object.in_cells() {
+        if !object.is_hidden() && !object.in_cells() {
             return None;
         }
         let (grid, block) = (scene.grid(), object.bounds().block());

@@ -118,9 +118,7 @@ pub(super) fn find_all(finder: &mut ObjectFinder, lists: &mut BrickLists) {
 /// them.
 fn reveal_around(finder: &mut ObjectFinder, eye: DVec3) {
     let scene = finder.drawing.run.scene;
-    let mut around = Vec::new();
-    scene.volumes().holding(scene.grid().cell_of(eye), |slot| around.push(slot));
-    around.sort_unstable();
+    let around = scene.volumes_around(scene.grid().cell_of(eye));
     around.into_iter().for_each(|slot| finder.reveal(slot));
 }
 

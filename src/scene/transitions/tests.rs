@@ -1,4 +1,4 @@
-//! Each row of the table of transitions, played.
+//! Each row of the table of calls in `scene::home`, played.
 
 use std::sync::Arc;
 
@@ -13,19 +13,17 @@ use crate::query::Query;
 use crate::scene::clock::WORTH_ASKING;
 use crate::view::View;
 
-/// A state without its numbers; `Gone` for objects that were removed.
+/// Whether an object is listed or in a volume, and whether it is overdue there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum StateKind {
+enum HomeKind {
     Listed,
     Overdue,
-    Hidden,
-    Unlocated { volume: bool },
+    InVolume,
+    Expired,
     Gone,
 }
-use StateKind::{Gone, Hidden as InVolume, Listed, Overdue, Unlocated};
+use HomeKind::{Expired, Gone, InVolume, Listed, Overdue};
 
-const EXPIRED: StateKind = Unlocated { volume: true };
-const REVEALED: StateKind = Unlocated { volume: false };
 /// Before the wall, with the eye; behind it; and outside the grid.
 const BEFORE: f32 = 5.5;
 const BEHIND: f32 = 20.0;
@@ -98,20 +96,18 @@ impl WallAndBall {
     }
 
     fn hiding(&self) -> Hidden {
-        match self.scene.find(self.ball).unwrap().state() {
-            State::Hidden(hidden) => hidden,
-            other => panic!("it is in no volume: {other:?}"),
-        }
+        assert_eq!(self.kind(), InVolume);
+        *self.scene.find(self.ball).unwrap().volume().unwrap()
     }
 
-    fn kind(&self) -> StateKind {
-        match self.scene.find(self.ball).map(|object| object.state()) {
-            Err(_) => Gone,
-            Ok(State::Listed) if self.scene.is_unlocated(self.ball.slot()) => Overdue,
-            Ok(State::Listed) => Listed,
-            Ok(State::Overdue) => Overdue,
-            Ok(State::Hidden(_)) => InVolume,
-            Ok(State::Unlocated { volume }) => Unlocated { volume: volume.is_some() },
+    fn kind(&self) -> HomeKind {
+        let Ok(object) = self.scene.find(self.ball) else { return Gone };
+        match (object.is_expired(), object.is_hidden(), self.scene.is_unlocated(self.ball.slot())) {
+            (true, false, true) => Expired,
+            (false, true, false) => InVolume,
+            (false, false, true) => Overdue,
+            (false, false, false) => Listed,
+            other => panic!("{other:?}"),
         }
     }
 
@@ -176,37 +172,39 @@ fn put_off() -> WallAndBall {
 #[test]
 fn every_call_changes_states_as_the_table_says() {
     /// Name, world before with the state of its ball, the call, and the state after it.
-    type Row = (&'static str, fn() -> WallAndBall, StateKind, fn(WallAndBall) -> WallAndBall, StateKind);
-    let table: [Row; 33] = [
+    type Row = (&'static str, fn() -> WallAndBall, HomeKind, fn(WallAndBall) -> WallAndBall, HomeKind);
+    let table: [Row; 35] = [
         ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
         ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
         ("begin: still no report", overdue, Overdue, |w| w.begin(2.0), Overdue),
         ("begin: not yet due", hidden, InVolume, |w| w.begin(0.01), InVolume),
         ("begin: put off", put_off, InVolume, |w| w, InVolume),
-        ("begin: due", hidden, InVolume, |w| w.begin(100.0), EXPIRED),
-        ("begin: backwards", hidden, InVolume, |w| w.begin(-1.0), EXPIRED),
+        ("begin: due", hidden, InVolume, |w| w.begin(100.0), Expired),
+        ("begin: backwards", hidden, InVolume, |w| w.begin(-1.0), Expired),
         ("begin: never due", plain_hidden, InVolume, |w| w.begin(100.0), InVolume),
-        ("begin: expired before", expired, EXPIRED, |w| w.begin(200.0), EXPIRED),
-        ("begin: revealed before", revealed, REVEALED, |w| w.begin(200.0), REVEALED),
+        ("begin: expired before", expired, Expired, |w| w.begin(200.0), Expired),
+        ("begin: revealed before", revealed, Overdue, |w| w.begin(200.0), Overdue),
         ("update: overdue", overdue, Overdue, |w| w.update(BEFORE), Listed),
         ("update: listed", listed, Listed, |w| w.update(BEHIND), Listed),
         ("update: inside", hidden, InVolume, |w| w.update(BEHIND + 0.1), InVolume),
         ("update: outside", hidden, InVolume, |w| w.update(14.0), InVolume),
+        ("end: outside", hidden, InVolume, |w| w.update(14.0).seen_from(2.5), InVolume),
         ("update: outside, reports when moved", plain_hidden, InVolume, |w| w.update(14.0), Listed),
         ("update: no volume fits", plain_hidden, InVolume, |w| w.update(OUTSIDE), Listed),
-        ("update: expired, inside", expired, EXPIRED, |w| w.update(BEHIND), InVolume),
-        ("update: expired, outside", expired, EXPIRED, |w| w.update(14.0), InVolume),
-        ("update: expired, no volume fits", expired, EXPIRED, |w| w.update(2.5), Listed),
-        ("update: expired late, inside", expired_late, EXPIRED, |w| w.update(BEHIND), InVolume),
-        ("update: expired soon, inside", expired_soon, EXPIRED, |w| w.update(BEHIND), Listed),
+        ("update: expired, inside", expired, Expired, |w| w.update(BEHIND), InVolume),
+        ("update: expired, outside", expired, Expired, |w| w.update(14.0), InVolume),
+        ("end: expired, outside", expired, Expired, |w| w.update(14.0).seen_from(2.5), InVolume),
+        ("update: expired, no volume fits", expired, Expired, |w| w.update(2.5), Listed),
+        ("update: expired late, inside", expired_late, Expired, |w| w.update(BEHIND), InVolume),
+        ("update: expired soon, inside", expired_soon, Expired, |w| w.update(BEHIND), Listed),
         (
             "update: expired soon, and unseen",
             expired_soon,
-            EXPIRED,
+            Expired,
             |w| w.update(BEHIND).seen_from(2.5),
             Listed,
         ),
-        ("update: revealed", revealed, REVEALED, |w| w.update(BEHIND), Listed),
+        ("update: revealed", revealed, Overdue, |w| w.update(BEHIND), Listed),
         ("end: unseen", || WallAndBall::new(BEHIND, true), Listed, |w| w.seen_from(2.5), InVolume),
         (
             "end: unseen, no volume fits",
@@ -218,11 +216,11 @@ fn every_call_changes_states_as_the_table_says() {
         ("end: seen", listed, Listed, |w| w.seen_from(2.5), Listed),
         ("end: overdue", overdue, Overdue, |w| w.seen_from(28.5), Overdue),
         ("end: not revealed", hidden, InVolume, |w| w.seen_from(2.5), InVolume),
-        ("end: revealed, on expiry", hidden, InVolume, |w| w.seen_from(28.5), REVEALED),
+        ("end: revealed, on expiry", hidden, InVolume, |w| w.seen_from(28.5), Overdue),
         ("end: revealed, seen", plain_hidden, InVolume, |w| w.seen_from(28.5), Listed),
         ("end: revealed, unseen", plain_hidden, InVolume, |w| w.seen_beyond(21.2), InVolume),
-        ("end: expired", expired, EXPIRED, |w| w.seen_from(2.5), EXPIRED),
-        ("end: revealed before", revealed, REVEALED, |w| w.seen_from(2.5), REVEALED),
+        ("end: expired", expired, Expired, |w| w.seen_from(2.5), Expired),
+        ("end: revealed before", revealed, Overdue, |w| w.seen_from(2.5), Overdue),
     ];
     for (name, prepare, from, act, to) in table {
         let world = prepare();
@@ -239,9 +237,9 @@ fn every_call_changes_states_as_the_table_says() {
 fn volumes_are_kept_while_they_serve() {
     assert!(put_off().keeps_its_volume());
     assert!(hidden().update(BEHIND + 0.1).keeps_its_volume());
-    assert!(!hidden().update(14.0).keeps_its_volume());
+    assert!(!hidden().update(14.0).seen_from(2.5).keeps_its_volume());
     assert!(expired().update(BEHIND).keeps_its_volume());
-    assert!(!expired().update(14.0).keeps_its_volume());
+    assert!(!expired().update(14.0).seen_from(2.5).keeps_its_volume());
     assert!(!plain_hidden().seen_beyond(21.2).keeps_its_volume());
 }
 
@@ -251,7 +249,7 @@ fn nothing_is_left_of_a_removed_object() {
         let WallAndBall { scene, .. } = prepare().remove();
         assert_eq!((scene.id_matrix().entries(), scene.tbv_matrix().volumes()), (wall_entries(), 0));
         assert!(scene.listed_movers().is_empty() && scene.always().is_empty());
-        assert!(scene.index.on_expiry.as_slice().is_empty() && !scene.any_overdue());
+        assert!(!scene.any_overdue());
         assert_eq!(scene.opacity.overdue(), 0);
     }
 }
@@ -283,7 +281,7 @@ fn only_small_objects_rest_after_a_volume_that_did_not_last() {
         world = world.seen_from(2.5);
         assert_eq!(world.kind(), InVolume);
         world = world.begin(0.01).seen_from(28.5);
-        assert_eq!(world.kind(), REVEALED);
+        assert_eq!(world.kind(), Overdue);
         world = world.begin(0.02);
         world.scene.update(world.ball, ball, None).unwrap();
         assert_eq!(world.seen_from(2.5).kind(), last, "{radius}");
