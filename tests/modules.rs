@@ -39,7 +39,7 @@ const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
 const MOST: [(&str, usize); 25] = [
-    ("src", 42000),
+    ("src", 41600),
     ("tests", 11850),
     ("crates/cache", 400),
     ("crates/lab", 6350),

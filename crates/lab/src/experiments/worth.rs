@@ -195,16 +195,13 @@ fn beaten(lines: &[WorthLine], ours: &[&str]) -> String {
         let least = |t: &&WorthLine| ours(&t.scene).iter().map(|o| from(o, t)).fold(f64::INFINITY, f64::min);
         let mut worths: Vec<f64> = theirs.iter().map(least).filter(|worth| worth.is_finite()).collect();
         worths.sort_by(f64::total_cmp);
-        let (name, scenes) = match name {
-            "frustum only" => ("frustum culling alone", theirs.len()),
-            name => (name, theirs.len()),
-        };
         let from = match (worths.first(), worths.last()) {
-            (Some(first), Some(last)) if last - first < 0.5 => format!("from {last:.0} µs on, "),
-            (Some(first), Some(last)) => format!("from {first:.0} to {last:.0} µs on, "),
+            (Some(first), Some(last)) if last - first < 0.5 => format!(" (from {last:.0} µs)"),
+            (Some(first), Some(last)) => format!(" (from {first:.0} to {last:.0} µs)"),
             _ => String::new(),
         };
-        format!("{name} ({from}{} of {scenes} scenes)", worths.len())
+        let name = if name == "frustum only" { "frustum culling alone" } else { name };
+        format!("{name} in {} of {} scenes{from}", worths.len(), theirs.len())
     });
     than.join(", ")
 }
@@ -215,9 +212,9 @@ pub fn finding(lines: &[WorthLine]) -> String {
     let lossy = |l: &&WorthLine| l.lost > 0.0;
     let buffers = || lines.iter().filter(|l| !of_casca(l) && l.method != "frustum only");
     format!(
-        "Up to 100 µs an object, a frame with a fresh query of casca costs less than with {}; with results \
-         kept for a walking camera less than with {}; in the other scenes more at 100 µs. Buffers lose \
-         visible objects in {} of {} walks (dashed), casca in {}.",
+        "With a fresh query a frame costs less than with {}. With results kept for a walking camera it costs \
+         less than with {}. In the other scenes it costs more, even at 100 µs an object. Buffers lose visible \
+         objects in {} of {} walks (dashed), casca in {}.",
         beaten(lines, &["casca fast", BALANCED]),
         beaten(lines, &["casca kept"]),
         buffers().filter(lossy).count(),
@@ -241,7 +238,7 @@ mod tests {
         let ours = WorthLine { method: "casca kept".to_owned(), ..slow };
         let said = finding(&[ours, WorthLine { lost: 0.1, ..quick }]);
         assert!(said.contains(
-            "less than with frustum culling alone (0 of 0 scenes), hzb (from 20 µs on, 1 of 1 scenes)"
+            "less than with frustum culling alone in 0 of 0 scenes, hzb in 1 of 1 scenes (from 20 µs)"
         ));
         assert!(said.ends_with("in 1 of 1 walks (dashed), casca in 0."), "{said}");
     }

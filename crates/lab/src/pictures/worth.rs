@@ -102,7 +102,7 @@ fn panel(root: &Area<'_>, area: &Area<'_>, scene: &str, lines: &[&WorthLine]) ->
     let mut chart = ChartBuilder::on(area)
         .margin(8)
         .margin_top(30)
-        .margin_right(112)
+        .margin_right(124)
         .x_label_area_size(42)
         .y_label_area_size(56)
         .build_cartesian_2d(
