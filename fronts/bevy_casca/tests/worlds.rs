@@ -133,7 +133,7 @@ fn walk(world: &mut World, t: f32) {
 
 #[test]
 fn a_crowd_of_5000_that_moves() {
-    let mut n = 0;
+    let (mut n, mut waiting) = (0, 0);
     let mut pair = Pair::new(|world| {
         opaque(world, 0, Vec3::new(0.0, -0.5, 0.0), Vec3::new(200.0, 1.0, 200.0));
         for i in 0..20 {
@@ -154,12 +154,14 @@ fn a_crowd_of_5000_that_moves() {
             look(world, at, at + Vec3::new((0.02 * t).sin() * 0.5, 0.0, -1.0));
         };
         n += check(&mut pair, frame, change, 20);
+        // Most leave their volumes so soon that they get no others for some hundred frames.
+        let world = pair.ours.world_mut();
+        let ids: Vec<_> = world.query::<&InScene>().iter(world).map(InScene::id).collect();
+        let scene = world.resource::<CascaScene>().scene().unwrap();
+        let now = ids.iter().filter(|id| scene.tbv(**id).unwrap().is_some()).count();
+        waiting = waiting.max(now);
     }
-    let world = pair.ours.world_mut();
-    let ids: Vec<_> = world.query::<&InScene>().iter(world).map(InScene::id).collect();
-    let scene = world.resource::<CascaScene>().scene().unwrap();
-    let waiting = ids.iter().filter(|id| scene.tbv(**id).unwrap().is_some()).count();
-    println!("{} hidden in a frame; at the end {waiting} wait in volumes", n as f32 / FRAMES as f32);
+    println!("{} hidden in a frame; up to {waiting} wait in volumes", n as f32 / FRAMES as f32);
     assert!(waiting > 0, "the scene is not told that frames end");
     assert!(n > 500 * FRAMES as usize, "little is hidden: {n}");
 }
