@@ -123,7 +123,8 @@ impl BitMatrix {
 
     /// Whether all cells from `lo` to `hi`, both included, are set.
     pub(crate) fn holds_block(&self, lo: IVec3, hi: IVec3) -> bool {
-        CellBox { lo: lo >> 3i32, hi: hi >> 3i32 }
+        CellBox { lo, hi }
+            .bricks()
             .cells()
             .all(|b| without(&block_mask(b, lo, hi), self.bricks.get(b)) == NONE)
     }

@@ -164,7 +164,7 @@ fn masks_there(cells: &BitMatrix, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec
 
 /// The bricks from `lo` to `hi` in pages that are not empty.
 fn bricks_there(pages: &Pages, lo: IVec3, hi: IVec3) -> impl Iterator<Item = IVec3> {
-    let of = CellBox { lo: lo >> 3i32, hi: hi >> 3i32 };
+    let of = CellBox { lo, hi }.bricks();
     of.cells()
         .filter(|&p| !pages.is_empty(p))
         .flat_map(move |p| CellBox { lo: lo.max(p * BRICK), hi: hi.min(p * BRICK + (BRICK - 1)) }.cells())

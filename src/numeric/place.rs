@@ -1,4 +1,4 @@
-//! Margins of places in double precision, and of what they become near the origin of a scene.
+//! Margins for places in double precision, and for their coordinates relative to a scene's origin.
 //!
 //! Sums of a place and a coordinate need no margin: [`crate::geometry::offset`] knows their
 //! rounding exactly. The eye needs none of its own: its place is rounded once, by 2^-53 of its

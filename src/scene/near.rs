@@ -59,7 +59,7 @@ pub(crate) fn occluder_touches(scene: &Scene, region: &View, around: &Block) -> 
     if (CellBox { lo, hi }).cells().any(opaque) {
         return true;
     }
-    for brick in (CellBox { lo: lo >> 3i32, hi: hi >> 3i32 }).cells() {
+    for brick in (CellBox { lo, hi }).bricks().cells() {
         if scene.id_matrix().in_brick(brick).inspect(|_| asked += 1).any(touches) {
             return true;
         }

@@ -105,7 +105,7 @@ fn pieces(shape: &impl Parts, grid: &Grid, which: Which, out: &mut dyn FnMut(Pie
     if which == Which::Opaque && is_too_large(lo, hi) {
         return;
     }
-    let bricks = CellBox { lo: lo >> 3i32, hi: hi >> 3i32 };
+    let bricks = CellBox { lo, hi }.bricks();
     if volume(bricks.lo, bricks.hi) <= FEW_BRICKS {
         if corners.is_some() {
             bricks.cells().for_each(|b| out(Piece::Brick(b, block_mask(b, lo, hi))));
@@ -190,7 +190,7 @@ impl Moved {
             let (min, max) = shape?.bounds();
             let (lo, hi) = grid.cover(min, max);
             let (lo, hi) = clip(lo, hi)?;
-            Some(CellBox { lo: lo >> 3i32, hi: hi >> 3i32 })
+            Some(CellBox { lo, hi }.bricks())
         });
         let all = blocks.into_iter().flatten().reduce(CellBox::join);
         // Each alone must be few, so that it is written as if it were inserted.

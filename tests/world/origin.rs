@@ -69,8 +69,9 @@ proptest! {
             prop_assert!(!query.pvs().is_valid_for(&scene, &shifted));
             prop_assert!(!query.sight(&scene).is_some_and(|sight| sight.has_occlusion()));
             let found = sorted(query.run(&scene, &shifted));
-            // Margins grow with coordinates: more objects may be found. Volumes are given up: what was
-            // seen as its volume was revealed is where it was reported, and may be hidden there.
+            // Margins grow with the coordinates, so more objects may be found. The shift drops volumes:
+            // an object that was visible only because its volume was revealed is tested at the place
+            // of its last report now, and may be hidden there.
             let is_found = |id| found.contains(id) || on_expiry.contains(id);
             let alike = if times < 1.0 { found == *seen } else { seen.iter().all(is_found) };
             let coherent = matches!(query.method(), Method::Point(options) if options.coherent);
@@ -262,7 +263,7 @@ fn what_is_hidden_is_found_where_cells_are_numbered_anew() {
         let wall = scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 15.0), Vec3::new(32.0, 32.0, 17.0)));
         let ball = ObjectDesc::dynamic(Sphere::new(Vec3::new(16.0, 16.0, 8.0), 0.5)).max_speed(1.0);
         let id = scene.insert(if on_expiry { ball.reported_on_expiry() } else { ball }).unwrap();
-        // It does not see what is far away along x.
+        // The view ends 20 units beyond the eye along x.
         let near = Plane { normal: Vec3::NEG_X, offset: 20.0 };
         let (place, own) = (DVec3::new(16.0, 16.0, 24.0), View::from_planes(Vec3::ZERO, &[near]).unwrap());
         let mut query = Query::new();

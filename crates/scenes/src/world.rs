@@ -223,7 +223,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The least and the greatest corner of what it fills.
+    /// The corners of the box around the shape.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         match self {
             Self::Sphere { center, radius } => (*center - *radius, *center + *radius),

@@ -136,7 +136,7 @@ pub(crate) fn check_cameras(
         None => casca.cameras.clear(),
     }
     let ranges = ranges.as_deref();
-    // Whether they are seen is decided after the lists are filled: what is in them may be lit.
+    // Lamps are decided after these lists are filled, by what of the visible entities they light.
     let later = lamps.with_shadows(&settings);
     let mut in_view = Vec::new();
     for mut camera in cameras.iter_mut().filter(|camera| camera.camera.is_active) {

@@ -49,7 +49,7 @@ fn occlusion(
     Ok(fragments.par_iter().map(|f| f.as_ref().map_or(0.0, |f| rays.at(f))).collect())
 }
 
-/// The line that each pixel shows, and its occlusion, row by row.
+/// The line that each pixel shows, and its occlusion if that is asked for, row by row.
 #[pyfunction]
 pub fn line_picture<'py>(
     py: Python<'py>,
@@ -57,7 +57,7 @@ pub fn line_picture<'py>(
     offsets: Given<'_, 'py>,
     look: [Bound<'py, PyAny>; 3],
     lens: (f64, [f64; 2], [u32; 2]),
-    how: How,
+    how: Option<How>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let (lines, (fov_y, depths, size)) = (set(points, offsets)?, lens);
     let look: [Vec3; 3] = [place("eye", &look[0])?, place("target", &look[1])?, place("up", &look[2])?];
@@ -66,7 +66,7 @@ pub fn line_picture<'py>(
         let view = View::look_at(look, lens, depths, size).map_err(refused)?;
         let nearest = nearest_lines(&lines, &view);
         let half = view.pixel_size((depths[0] + depths[1]) / 2.0) as f32 / 2.0;
-        let values = occlusion((&lines, &view), &nearest, half, how)?;
+        let values = how.map_or(Ok(Vec::new()), |how| occlusion((&lines, &view), &nearest, half, how))?;
         let line = |f: &Option<Fragment>| f.map_or(-1, |f| i64::from(f.line));
         PyResult::Ok((nearest.iter().map(line).collect::<Vec<i64>>(), values))
     })?;

@@ -208,7 +208,7 @@ impl Voxels {
             return (state, false);
         }
         let mut tried: SmallVec<[u32; STAND_INS]> = SmallVec::new();
-        // What is covered as the hit is stands in before what is not.
+        // First states that are covered if the hit is, and open if it is open; then the others.
         for like in [true, false] {
             for rule in [(LIKE_NORMAL, LIKE_HEIGHT), (LEAST_NORMAL, LEAST_HEIGHT)] {
                 for state in self.stand_ins(spot, normal, rule) {

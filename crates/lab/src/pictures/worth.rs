@@ -35,7 +35,7 @@ impl WorthLine {
 
     /// Milliseconds of a frame whose objects cost this many microseconds each.
     fn cost(&self, worth: f64) -> f64 {
-        self.ms + self.set * worth * 1e-3
+        self.ms + self.set * worth / MICROSECONDS
     }
 }
 
@@ -44,6 +44,8 @@ const PANEL: u32 = 300;
 const COLUMNS: usize = 2;
 /// Worths of an object in microseconds.
 const WORTHS: (f64, f64) = (1.0, 100.0);
+/// Of a millisecond.
+const MICROSECONDS: f64 = 1e3;
 /// Pixels between labels.
 const APART: i32 = 15;
 

@@ -1,4 +1,4 @@
-//! Procedural test scenes, the same for the same seed: each [`SceneKind`] says what it is.
+//! Procedural test scenes. A seed always gives the same scene; [`SceneKind`] describes each.
 //!
 //! [`walking()`] puts a walker at 60 frames a second and floating spheres into any scene.
 
@@ -30,7 +30,7 @@ use crate::world::World;
 pub use options::SceneOptions;
 pub use walking::{WALK_SECONDS, WalkOptions, walking};
 
-/// A procedural scene: what it is, its name on the command line, and what builds it.
+/// Declares the scenes: a description, a name for the command line, and the function that builds it.
 macro_rules! scenes {
     ($($(#[$what:meta])+ $kind:ident $name:literal $build:expr;)+) => {
         /// A procedural scene.

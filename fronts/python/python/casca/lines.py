@@ -32,6 +32,16 @@ class Picture(NamedTuple):
     occlusion: np.ndarray
 
 
+def _shown(points, offsets, look, fov_y, size, how):
+    """What each pixel shows, and its occlusion if ``how`` asks for it, row by row."""
+    # Depths that hold all lines before the eye.
+    low, high = _box(points)
+    away = np.linalg.norm(_box(look[0])[0] - (low + high) / 2)
+    reach = max(np.linalg.norm(high - low) / 2, away * 1e-3, 1e-30)
+    lens = (fov_y, (max(away - reach, reach * 1e-3), away + reach), size)
+    return line_picture(points, offsets, look, lens, how)
+
+
 def picture(
     points,
     offsets,
@@ -48,17 +58,12 @@ def picture(
     solid=False,
 ):
     how, _ = _how(points, radius, line_radius, rays, solid)
-    # Depths that hold all lines before the eye.
-    low, high = _box(points)
-    away = np.linalg.norm(_box(eye)[0] - (low + high) / 2)
-    reach = max(np.linalg.norm(high - low) / 2, away * 1e-3, 1e-30)
-    lens = (fov_y, (max(away - reach, reach * 1e-3), away + reach), (width, height))
-    found = line_picture(points, offsets, (eye, target, up), lens, how)
+    found = _shown(points, offsets, (eye, target, up), fov_y, (width, height), how)
     return Picture(*(values.reshape(height, width) for values in found))
 
 
 def visible_lines(points, offsets, eye, target, *, up=(0, 1, 0), fov_y=60.0, width=1280, height=720):
-    line = picture(points, offsets, eye, target, up=up, fov_y=fov_y, width=width, height=height, rays=1).line
+    line, _ = _shown(points, offsets, (eye, target, up), fov_y, (width, height), None)
     seen = np.zeros(len(offsets) - 1, bool)
     seen[line[line >= 0]] = True
     return seen
