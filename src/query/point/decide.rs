@@ -32,21 +32,21 @@ pub(super) struct SecondTest {
     pub(super) hidden: Vec<bool>,
     /// Occluders that were of use in this test only.
     pub(super) used: UsedFinely,
-    /// Slots of objects that came into sight, though the last view could have seen them.
-    suspicious: Vec<Slot>,
+    /// Boxes of objects that came into sight, though the last view could have seen them.
+    came: Vec<Block>,
 }
 
 impl SecondTest {
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
-    pub(super) fn decide(&mut self, drawing: &mut Drawing, candidates: &mut Vec<Candidate>) {
+    pub(super) fn decide(&mut self, drawing: &mut Drawing, candidates: &[Candidate]) {
         let given = u64::from(drawing.run.options.refine_budget);
         let mut left = Budget { squares: given, patches: Purse::Own(drawing.run.options.refine_patches) };
         self.used.clear();
+        if drawing.run.coherent {
+            self.draw_waiting(drawing, candidates);
+        }
         self.begin(drawing);
         self.examine_all(drawing, candidates, &mut left);
-        if drawing.run.coherent {
-            self.decide_coherent(drawing, candidates, &mut left);
-        }
         self.end(drawing);
         drawing.stats.refine_squares = given - left.squares;
     }
@@ -57,32 +57,18 @@ impl SecondTest {
         candidates.iter().enumerate().filter(|(at, _)| self.hidden.get(*at) != Some(&true)).map(|seen| seen.1)
     }
 
-    /// Leaves those candidates that may be seen after the test. Some are tested once more.
-    fn decide_coherent(&mut self, drawing: &mut Drawing, candidates: &mut Vec<Candidate>, left: &mut Budget) {
-        let mut suspicious = std::mem::take(&mut self.suspicious);
-        suspicious.clear();
-        let mut hidden = self.hidden.iter();
-        candidates.retain(|candidate| {
-            let seen = hidden.next() != Some(&true);
-            let slot = candidate.slot;
-            if seen && drawing.coherence().hid(slot, candidate.block.as_ref()) {
-                suspicious.push(slot);
-            }
-            seen
-        });
-        suspicious.sort_unstable();
-        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.slot).is_ok();
-        let blocks = candidates.iter().filter(|c| is_suspicious(c)).filter_map(|c| c.block);
-        if !suspicious.is_empty() && drawing.draw_before(blocks) {
-            self.end(drawing);
-            self.begin(drawing);
-            let again: Vec<Candidate> = candidates.iter().filter(|c| is_suspicious(c)).copied().collect();
-            self.examine_all(drawing, &again, left);
-            let mut hidden = self.hidden.iter();
-            candidates.retain(|candidate| !is_suspicious(candidate) || hidden.next() != Some(&true));
+    /// Draws occluders that wait, in front of objects that come into sight though the last view could
+    /// have seen them: those occluders hid them then.
+    fn draw_waiting(&mut self, drawing: &mut Drawing, candidates: &[Candidate]) {
+        let came = |candidate: &&Candidate| {
+            let block = candidate.block.as_ref();
+            drawing.coherence().hid(candidate.slot, block) && !block.is_some_and(|block| drawing.hides(block))
+        };
+        self.came.clear();
+        self.came.extend(candidates.iter().filter(came).filter_map(|candidate| candidate.block));
+        if !self.came.is_empty() {
+            drawing.draw_before(&self.came);
         }
-        self.hidden.clear();
-        self.suspicious = suspicious;
     }
 
     /// Forgets magnified pixels: occluders were drawn.
