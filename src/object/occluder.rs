@@ -31,7 +31,7 @@ pub enum Occluder {
     /// A solid axis-aligned box.
     Box(Aabb),
     /// A solid box turned by a rotation.
-    Oriented(Obb),
+    Oriented(Box<Obb>),
     /// A solid convex polytope in world space.
     #[cfg_attr(feature = "serde", serde(with = "crate::shape::convex::stored"))]
     Convex(Arc<Convex>),
@@ -47,7 +47,7 @@ kinds!(
     Occluder:
     Sphere(Sphere),
     Box(Aabb),
-    Oriented(Obb),
+    Oriented(Box<Obb>),
     Convex(Arc<Convex>),
     Mesh(Arc<TriMesh>),
     Instance(Instance),

@@ -33,7 +33,7 @@ impl Bounds {
             Self::Oriented(b) => {
                 let (center, off) = offset.nearest(b.center);
                 let half = b.half.to_array().map(|half| grown(half, off));
-                Obb { center, half: half.into(), ..*b }.into()
+                Obb { center, half: half.into(), ..**b }.into()
             }
             Self::Mesh(mesh) => Instance::carried(mesh.clone(), Affine3A::IDENTITY, offset)?.into(),
             Self::Instance(instance) => moved(instance, offset)?.into(),
@@ -60,7 +60,7 @@ impl Occluder {
             Self::Oriented(b) => {
                 let (center, off) = offset.nearest(b.center);
                 let half = b.half.to_array().map(|half| shrunk(half, off));
-                let inner = Obb { center, half: half.into(), ..*b };
+                let inner = Obb { center, half: half.into(), ..**b };
                 (inner.half.min_element() >= 0.0).then(|| inner.into())
             }
             Self::Convex(solid) => carried(solid, offset).map(|solid| Arc::new(solid).into()),

@@ -237,7 +237,7 @@ impl Scene {
         &mut self,
         moves: impl IntoIterator<Item = (ObjectId, B)>,
     ) -> Result<(), (ObjectId, Error)> {
-        first_refused(moves.into_iter().map(|(id, bounds)| (id, self.update(id, bounds, None))))
+        first_refused(moves, |id, bounds| self.update(id, bounds, None))
     }
 
     /// Moves many placed objects, as [`Scene::set_transform`] does one by one. All moves are made
@@ -252,7 +252,7 @@ impl Scene {
         &mut self,
         moves: impl IntoIterator<Item = (ObjectId, Affine3A)>,
     ) -> Result<(), (ObjectId, Error)> {
-        first_refused(moves.into_iter().map(|(id, at)| (id, self.set_transform(id, at))))
+        first_refused(moves, |id, at| self.set_transform(id, at))
     }
 
     /// Gives an object another number: see [`Scene::user_data`]. Costs one look-up; results keep
@@ -412,15 +412,17 @@ impl Scene {
     }
 }
 
-/// Runs through all results, and gives the first error.
-fn first_refused(
-    results: impl Iterator<Item = (ObjectId, Result<(), Error>)>,
+/// Makes all moves, and gives the first that was refused.
+fn first_refused<M>(
+    moves: impl IntoIterator<Item = (ObjectId, M)>,
+    mut make: impl FnMut(ObjectId, M) -> Result<(), Error>,
 ) -> Result<(), (ObjectId, Error)> {
-    let mut first = Ok(());
-    for (id, result) in results {
-        if let (Err(why), Ok(())) = (result, first) {
-            first = Err((id, why));
+    let mut first = None;
+    // Quicker than `for`, which has each pair copied twice.
+    moves.into_iter().for_each(|(id, to)| {
+        if let Err(why) = make(id, to) {
+            first.get_or_insert((id, why));
         }
-    }
-    first
+    });
+    first.map_or(Ok(()), Err)
 }

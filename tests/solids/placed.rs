@@ -54,7 +54,7 @@ fn points(shape: &impl Shape, shares: &[Vec3]) -> Vec<DVec3> {
 fn as_bounds(solid: &Occluder) -> Bounds {
     match solid {
         Occluder::Box(b) => (*b).into(),
-        Occluder::Oriented(b) => (*b).into(),
+        Occluder::Oriented(b) => (**b).into(),
         Occluder::Sphere(s) => (*s).into(),
         solid => {
             let (min, max) = solid.bounds();
