@@ -9,12 +9,10 @@ use pyo3::prelude::*;
 use crate::error::{check, refused};
 use crate::forms::{Float, Form, Given, Rule, entries, integers, one};
 
-/// A place or a direction.
-pub fn vec3(name: &'static str, object: Given) -> PyResult<Vec3> {
-    place(name, object)
-}
+/// Ids of objects, as an array.
+pub type Keys<'py> = PyResult<Bound<'py, PyArray1<u64>>>;
 
-/// The same, of floats of one of two sizes.
+/// A place or a direction, of floats of one of two sizes.
 pub fn place<T: Float, P: From<[T; 3]>>(name: &'static str, object: Given) -> PyResult<P> {
     one(&Form::new(name, &[3], "x, y and z"), object).map(P::from)
 }
@@ -105,12 +103,8 @@ pub fn ids(scene: &casca::Scene, object: Given) -> PyResult<Vec<ObjectId>> {
     keys.into_iter().enumerate().map(id).collect()
 }
 
-/// The ids of objects, as an array.
-pub fn keys<'py>(
-    py: Python<'py>,
-    scene: &casca::Scene,
-    ids: impl Iterator<Item = ObjectId>,
-) -> PyResult<Bound<'py, PyArray1<u64>>> {
+/// The ids of some objects.
+pub fn keys<'py>(py: Python<'py>, scene: &casca::Scene, ids: impl Iterator<Item = ObjectId>) -> Keys<'py> {
     let keys: Vec<u64> = ids.map(|id| scene.key(id)).collect::<Result<_, _>>().map_err(refused)?;
     Ok(PyArray1::from_vec(py, keys))
 }

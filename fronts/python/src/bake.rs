@@ -40,15 +40,12 @@ pub struct Bake {
 }
 
 impl Bake {
-    fn progress<T>(
+    fn progress<T: Send>(
         &self,
         py: Python,
         progress: Option<Py<PyAny>>,
         work: impl Send + FnOnce(&mut casca_bake::Progress) -> Result<T, BakeError>,
-    ) -> PyResult<T>
-    where
-        T: Send,
-    {
+    ) -> PyResult<T> {
         py.detach(|| {
             let mut told = Told::new(progress);
             let done = work(&mut |done, total| match total {

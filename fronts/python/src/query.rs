@@ -5,7 +5,7 @@ use casca::{Light, Method, ObjectId, PointOptions};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, vec3};
+use crate::arrays::{self, Keys, place};
 use crate::error::{check, refused};
 use crate::forms::{Given, Rule};
 use crate::scene::Scene;
@@ -18,6 +18,9 @@ pub struct Query {
     /// Another one, for lights.
     light: casca::Query,
 }
+
+/// A flag for each of some places, as an array.
+type Flags<'py> = PyResult<Bound<'py, PyArray1<bool>>>;
 
 /// The method with a name.
 pub fn method(name: &str, preset: Option<&str>, pixel_degrees: Option<f32>) -> PyResult<Method> {
@@ -54,7 +57,7 @@ impl Query {
         py: Python<'py>,
         scene: &casca::Scene,
         of: impl Sync + Fn(&casca::Sight) -> Vec<bool>,
-    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    ) -> Flags<'py> {
         let seen = py.detach(|| self.query.sight(scene).map(|sight| of(&sight)));
         Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run yet"))?))
     }
@@ -73,35 +76,20 @@ impl Query {
     }
 
     /// Finds the objects that a view can see.
-    fn run<'py>(
-        &mut self,
-        py: Python<'py>,
-        scene: PyRef<'py, Scene>,
-        view: &View,
-    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    fn run<'py>(&mut self, py: Python<'py>, scene: PyRef<'py, Scene>, view: &View) -> Keys<'py> {
         let (query, scene, view) = (&mut self.query, &scene.scene, &view.view);
         py.detach(|| query.run(scene, view).len());
         arrays::keys(py, scene, self.query.pvs().iter())
     }
 
     /// Whether the view of the last run may see each of some boxes.
-    fn may_see_boxes<'py>(
-        &self,
-        py: Python<'py>,
-        scene: PyRef<'py, Scene>,
-        boxes: Given,
-    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    fn may_see_boxes<'py>(&self, py: Python<'py>, scene: PyRef<'py, Scene>, boxes: Given) -> Flags<'py> {
         let boxes = arrays::boxes(boxes, Rule::Any)?;
         self.may_see(py, &scene.scene, |sight| boxes.iter().map(|b| sight.may_see_box(b)).collect())
     }
 
     /// Whether the view of the last run may see each of some points.
-    fn may_see_points<'py>(
-        &self,
-        py: Python<'py>,
-        scene: PyRef<'py, Scene>,
-        points: Given,
-    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    fn may_see_points<'py>(&self, py: Python<'py>, scene: PyRef<'py, Scene>, points: Given) -> Flags<'py> {
         let points: Vec<Vec3> = arrays::points("points", points, Rule::Any)?;
         self.may_see(py, &scene.scene, |sight| points.iter().map(|at| sight.may_see_point(*at)).collect())
     }
@@ -115,10 +103,10 @@ impl Query {
         direction: Option<Bound<'py, PyAny>>,
         position: Option<Bound<'py, PyAny>>,
         reach: f32,
-    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    ) -> Keys<'py> {
         let light = match (direction, position) {
-            (Some(direction), None) => Light::directional(vec3("direction", &direction)?),
-            (None, Some(position)) => Light::point(vec3("position", &position)?, reach),
+            (Some(direction), None) => Light::directional(place("direction", &direction)?),
+            (None, Some(position)) => Light::point(place("position", &position)?, reach),
             _ => return Err(refused("a light has a direction, or a position")),
         };
         let (query, lamp, scene) = (&self.query, &mut self.light, &scene.scene);

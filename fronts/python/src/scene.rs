@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use casca::glam::DVec3;
 use casca::{Aabb, Bounds, Instance, ObjectDesc, ObjectId, Occluder};
 use casca_scenes::drive::Driver;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::world::World;
+use casca_scenes::world::{Camera, World};
 use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
 
-use crate::arrays;
+use crate::arrays::{self, Keys, place};
 use crate::error::{check, refused, refused_at, warn};
 use crate::forms::{Given, Rule, whole};
 use crate::mesh::{Mesh, Told};
@@ -55,7 +56,7 @@ impl Scene {
         py: Python<'py>,
         shapes: impl IntoIterator<Item = (Bounds, Option<Occluder>)>,
         (moves, max_speed, layers): How,
-    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    ) -> Keys<'py> {
         check(moves || max_speed.is_none(), || "only objects that move have a greatest speed".into())?;
         let mut ids = Vec::new();
         for (index, (bounds, occluder)) in shapes.into_iter().enumerate() {
@@ -80,6 +81,11 @@ impl Scene {
             }
         }
         arrays::keys(py, &self.scene, ids.into_iter())
+    }
+
+    /// The origin that the coordinates of its file got.
+    fn of_file(&self) -> DVec3 {
+        self.world.as_ref().map_or(DVec3::ZERO, |world| world.source.origin)
     }
 
     fn ids_or_all(&self, ids: Option<Bound<PyAny>>) -> PyResult<Vec<ObjectId>> {
@@ -172,7 +178,7 @@ impl Scene {
         moves: bool,
         max_speed: Option<f32>,
         layers: u64,
-    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    ) -> Keys<'py> {
         let shapes = arrays::boxes(boxes, Rule::Finite)?;
         let shapes = shapes.into_iter().map(|b| (b.into(), occludes.then_some(b.into())));
         self.insert(py, shapes, (moves, max_speed, layers))
@@ -188,7 +194,7 @@ impl Scene {
         moves: bool,
         max_speed: Option<f32>,
         layers: u64,
-    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    ) -> Keys<'py> {
         let shapes = arrays::spheres(spheres)?;
         let shapes = shapes.into_iter().map(|s| (s.into(), occludes.then_some(s.into())));
         self.insert(py, shapes, (moves, max_speed, layers))
@@ -204,7 +210,7 @@ impl Scene {
         moves: bool,
         max_speed: Option<f32>,
         layers: u64,
-    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    ) -> Keys<'py> {
         let mut shapes = Vec::new();
         for (index, place) in arrays::affines(transforms)?.into_iter().enumerate() {
             let mesh = Instance::new(Arc::clone(&mesh.mesh), place).map_err(|why| refused_at(index, why))?;
@@ -245,7 +251,7 @@ impl Scene {
     }
 
     /// Begins a frame at a time in seconds. Returns objects whose volumes expired.
-    fn begin_frame<'py>(&mut self, py: Python<'py>, now: f64) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    fn begin_frame<'py>(&mut self, py: Python<'py>, now: f64) -> Keys<'py> {
         let expired = self.scene.begin_frame(now).map_err(refused)?;
         arrays::keys(py, &self.scene, expired.into_iter())
     }
@@ -258,7 +264,7 @@ impl Scene {
 
     /// The ids of all objects.
     #[getter]
-    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    fn ids<'py>(&self, py: Python<'py>) -> Keys<'py> {
         arrays::keys(py, &self.scene, self.scene.ids())
     }
 
@@ -304,13 +310,27 @@ impl Scene {
         let world = world
             .ok_or_else(|| refused(format!("the path has {} frames, not {frame}", self.path_length())))?;
         check(aspect > 0.0 && aspect.is_finite(), || format!("aspect must be positive, not {aspect}"))?;
-        View::from_camera(world.camera(frame, aspect))
+        let camera = world.camera(frame, aspect);
+        View::from_camera(camera.at((camera.eye.as_dvec3() - self.scene.origin()).as_vec3()))
     }
 
-    /// What is added to all coordinates of this scene for those of the file that it comes from.
+    /// What is added to all coordinates of this scene for those of the file or world.
     #[getter]
     fn origin(&self) -> [f64; 3] {
-        self.world.as_ref().map_or([0.0; 3], |world| world.source.origin.to_array())
+        (self.of_file() + self.scene.origin()).to_array()
+    }
+
+    #[setter]
+    fn set_origin(&mut self, at: Given) -> PyResult<()> {
+        let at: DVec3 = place("origin", at)?;
+        self.scene.set_origin(at - self.of_file()).map_err(refused)
+    }
+
+    /// A view in coordinates relative to a place of the file or world.
+    fn view(&self, at: Given, view: &View) -> PyResult<View> {
+        let at = place::<f64, DVec3>("at", at)? - self.of_file();
+        let moved = |camera: Camera| camera.at(camera.eye + (at - self.scene.origin()).as_vec3());
+        Ok(View { view: self.scene.view(at, &view.view).map_err(refused)?, camera: view.camera.map(moved) })
     }
 
     /// The corners of a box around all objects; None if there are none.

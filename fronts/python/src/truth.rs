@@ -6,10 +6,9 @@ use casca::glam::Affine3A;
 use casca::{Bounds, Facing, ObjectId, Occluder, TriMesh};
 use casca_scenes::world::{Mesh, Motion, Object, Shape, Sides};
 use casca_truth::oracle::{Oracle, OracleOptions};
-use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays;
+use crate::arrays::{self, Keys};
 use crate::error::{check, refused};
 use crate::scene::Scene;
 use crate::view::View;
@@ -23,7 +22,7 @@ pub fn exact_visible<'py>(
     view: &View,
     width: usize,
     height: usize,
-) -> PyResult<Bound<'py, PyArray1<u64>>> {
+) -> Keys<'py> {
     let camera =
         view.camera.ok_or_else(|| refused("exact visibility needs a view by look_at or path_view"))?;
     check((1..=16_384).contains(&width) && (1..=16_384).contains(&height), || {

@@ -1,9 +1,10 @@
 //! Views.
 
+use casca::glam::Vec3;
 use casca_scenes::world::Camera;
 use pyo3::prelude::*;
 
-use crate::arrays::{mat4, vec3};
+use crate::arrays::{mat4, place};
 use crate::error::{check, refused};
 use crate::forms::Given;
 
@@ -42,7 +43,7 @@ impl View {
     #[staticmethod]
     #[pyo3(signature = (eye, target, *, fov_y=60.0, aspect=16.0 / 9.0, near=0.1, far=1000.0))]
     fn look_at(eye: Given, target: Given, fov_y: f32, aspect: f32, near: f32, far: f32) -> PyResult<Self> {
-        let (eye, target) = (vec3("eye", eye)?, vec3("target", target)?);
+        let (eye, target): (Vec3, Vec3) = (place("eye", eye)?, place("target", target)?);
         check(eye.is_finite() && target.is_finite() && eye != target, || {
             format!("the eye {eye} and the target {target} must be finite, and two places")
         })?;
@@ -59,19 +60,19 @@ impl View {
     /// A perspective camera with a matrix from world to clip space, depth 0 to 1.
     #[staticmethod]
     fn perspective(eye: Given, matrix: Given) -> PyResult<Self> {
-        Self::of(casca::View::perspective(vec3("eye", eye)?, mat4("matrix", matrix)?))
+        Self::of(casca::View::perspective(place("eye", eye)?, mat4("matrix", matrix)?))
     }
 
     /// An orthographic camera with such a matrix.
     #[staticmethod]
     fn orthographic(forward: Given, matrix: Given) -> PyResult<Self> {
-        Self::of(casca::View::orthographic(vec3("forward", forward)?, mat4("matrix", matrix)?))
+        Self::of(casca::View::orthographic(place("forward", forward)?, mat4("matrix", matrix)?))
     }
 
     /// All directions from a place.
     #[staticmethod]
     fn omnidirectional(eye: Given) -> PyResult<Self> {
-        Self::of(casca::View::omnidirectional(vec3("eye", eye)?))
+        Self::of(casca::View::omnidirectional(place("eye", eye)?))
     }
 
     /// The same for all eyes that are no farther than this.

@@ -105,6 +105,37 @@ def test_boxes_ids_and_layers():
     assert set(query.run(scene, view.with_layers(3))) == {*first, *second}
 
 
+def test_the_origin_moves_and_the_world_stays():
+    scene, _, _, rng = town(5)
+    far = np.array([4_194_304.0, 0.0, -1024.0])
+    scene.origin = far
+    assert list(scene.origin) == list(far)
+    eye, target = rng.uniform((2, 9, 2), (62, 12, 62), (2, 3)).astype(np.float32)
+    relative = casca.View.look_at((0, 0, 0), target - eye)
+    query = casca.Query()
+    # The town was made about the origin of the world: it is 4,194 km away now.
+    low = scene.boxes()[:, 0]
+    assert low[:, 0].max() < -4_194_200
+    seen = set(query.run(scene, scene.view(eye, relative)))
+    assert seen >= set(casca.exact_visible(scene, scene.view(eye, relative), width=320, height=180))
+    scene.origin = (0, 0, 0)
+    view = scene.view(eye, relative)
+    assert np.allclose(view.eye, eye)
+    exact = set(casca.exact_visible(scene, view, width=320, height=180))
+    assert len(exact) > 5 and exact <= set(query.run(scene, view)) and exact <= seen
+    # At the new place it is drawn as here.
+    scene.origin = (512, 0, 0)
+    assert set(casca.exact_visible(scene, scene.view(eye, relative), width=320, height=180)) == exact
+    with pytest.raises(casca.Error, match="origin"):
+        scene.origin = (np.nan, 0, 0)
+    with pytest.raises(casca.Error, match="view"):
+        scene.view((1e300, 0, 0), relative)
+    generated = casca.Scene.generate("city", scale=0.2)
+    before = generated.path_view(0).eye
+    generated.origin = (64, 0, 0)
+    assert np.allclose(generated.path_view(0).eye, np.subtract(before, (64, 0, 0)))
+
+
 def camera_matrix(eye, target, fov_y, aspect, near, far):
     """World to clip space, for columns: written anew, by the book."""
     forward = (target - eye) / np.linalg.norm(target - eye)

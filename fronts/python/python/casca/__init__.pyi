@@ -215,9 +215,19 @@ class Scene:
     @property
     def origin(self) -> list[float]:
         """What is added to all coordinates of this scene, its boxes, views and grid, for those of the
-        file that it comes from: a file whose contents lie far from its origin, such as in UTM, gets
+        file or world that it shows: a file whose contents lie far from its origin, such as in UTM, gets
         an origin near them, since single precision is too coarse there. Else zeros. Subtract it, in
-        double precision, from coordinates that you pass in."""
+        double precision, from coordinates that you pass in.
+
+        Set it for levels far from a world's origin, and from time to time in worlds so large that it
+        follows the eye. Objects stay where they are in the world; their coordinates change. Views of
+        before do not fit any more. Costs as inserting all objects again, up to a microsecond for each.
+        """
+    @origin.setter
+    def origin(self, at: ArrayLike, /) -> None: ...
+    def view(self, at: ArrayLike, view: View) -> View:
+        """A view in coordinates relative to a place of the file or world, such as the eye, for this
+        scene until its origin is set. The place is not rounded to single precision."""
     @property
     def bounds(self) -> list[list[float]] | None:
         """The corners of a box around all objects, in world units; None without objects."""
