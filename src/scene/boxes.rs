@@ -116,6 +116,11 @@ impl Boxes {
         &self.0[slot.index()]
     }
 
+    /// Takes memory for the boxes of so many slots, where it can be had.
+    pub(super) fn reserve(&mut self, slots: usize) {
+        let _ = self.0.try_reserve(slots.saturating_sub(self.0.len()));
+    }
+
     /// An object is at a slot, or was changed there.
     pub(super) fn put(&mut self, slot: Slot, object: &Object) {
         if self.0.len() <= slot.index() {

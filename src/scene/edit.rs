@@ -44,6 +44,7 @@ impl Scene {
     /// still grow with the cells that objects touch. Does nothing if there is not enough memory.
     pub fn reserve(&mut self, additional: usize) {
         self.slots.reserve(additional);
+        self.index.boxes.reserve(self.slots.len().saturating_add(additional));
     }
 
     /// Moves an object or changes its shape: all of it, in world units.

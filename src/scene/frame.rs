@@ -22,7 +22,7 @@ pub struct FrameReport {
 ///
 /// A volume costs a microsecond or some: it is written into all of its bricks. An object without one
 /// costs a fraction of that in each frame, when it moves.
-pub const MOST_NEW_VOLUMES: usize = 1024;
+pub const MOST_NEW_VOLUMES: usize = 512;
 
 /// A volume counts once more for each time that it reaches into this many bricks.
 const MANY_BRICKS: usize = 16;
@@ -79,7 +79,7 @@ impl Scene {
     ///
     /// At most [`MOST_NEW_VOLUMES`] unseen objects are put into volumes by one call, in turn; the
     /// others stay listed, are tested by queries as the visible ones are, and follow in the next
-    /// frames. So the first frame with 100,000 movers costs no more than any other, and 98 frames
+    /// frames. So the first frame with 100,000 movers costs no more than any other, and 196 frames
     /// put all of them into volumes.
     ///
     /// Small objects that hide nothing stay listed for 256 to 512 frames once they left their volume

@@ -100,8 +100,10 @@ impl Scene {
     /// results. Ids stay. Hidden objects stay in their volumes, unless rounding takes them out or cells
     /// are numbered anew, every 2^18 of them.
     ///
-    /// Costs as inserting all objects again, a third of a microsecond to one for each, and nothing in
-    /// an empty scene. Call it rarely: every few thousand cells of the camera's way.
+    /// Costs as inserting all objects again, a third of a microsecond to two for each, and nothing in
+    /// an empty scene. Call it rarely: every few thousand cells of the camera's way, as
+    /// `examples/large_world.rs` does. Where that pause is too long, set it on a clone in another
+    /// thread, give the clone what changed since, and go on with that: the ids are the same.
     ///
     /// ```
     /// use casca::{Aabb, ObjectDesc, Query, Scene, View};

@@ -266,6 +266,7 @@ impl Driver {
         mut progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
         let mut scene = Scene::new(cell)?;
+        scene.reserve(objects.len());
         let mut ids = Vec::with_capacity(objects.len());
         for object in objects {
             ids.push(scene.insert(adapt(object, shaper.describe(object)?))?);
