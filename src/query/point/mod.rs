@@ -131,7 +131,7 @@ impl PointScratch {
 fn decide(finder: ObjectFinder, second: &mut SecondTest) {
     let ObjectFinder { mut drawing, pvs, found, .. } = finder;
     let Run { scene, coherent, .. } = drawing.run;
-    second.decide(&mut drawing, &mut found.candidates);
+    second.decide(&mut drawing, &found.candidates);
     second.seen(&found.candidates).for_each(|candidate| pvs.push(scene.id(candidate.slot)));
     drawing.stats.occlusion_tests += found.movers.len() as u32;
     found.movers.iter().for_each(|&id| pvs.push(id));
