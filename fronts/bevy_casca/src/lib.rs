@@ -28,11 +28,11 @@ mod lights;
 mod materials;
 mod occluders;
 mod plugin;
-mod run;
 mod scene;
 mod settings;
 mod sync;
 mod told;
+mod why_not;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
@@ -40,3 +40,4 @@ pub use materials::{DeferredPlugin, MaterialsPlugin, NeverHiddenPlugin, NoDeferr
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};
 pub use settings::{CascaSettings, CascaSystems, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};
+pub use why_not::WhyNot;
