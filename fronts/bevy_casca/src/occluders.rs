@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use bevy_asset::{AssetId, Assets, RenderAssetUsages};
 use bevy_ecs::entity::{Entity, EntityHashSet};
+use bevy_math::Vec3A;
 use bevy_mesh::{Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy_platform::collections::HashMap;
 use bevy_tasks::futures::check_ready;
@@ -159,9 +160,17 @@ fn triangles(mesh: &Mesh, most: usize) -> Result<Triangles, WhyNot> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return Err(WhyNot::NotTriangles);
     }
-    let positions: Vec<Vec3> = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {
-        Ok(VertexAttributeValues::Float32x3(positions)) => positions.iter().map(|&p| p.into()).collect(),
-        Err(MeshAccessError::ExtractedToRenderWorld) => return Err(WhyNot::Unreadable),
+    let in_main_world = mesh.asset_usage.contains(RenderAssetUsages::MAIN_WORLD);
+    let positions: Vec<Vec3> = match (mesh.try_attribute(Mesh::ATTRIBUTE_POSITION), mesh.final_aabb) {
+        (Ok(VertexAttributeValues::Float32x3(positions)), _) => positions.iter().map(|&p| p.into()).collect(),
+        // As shaders unpack them. Without a copy in the main world, Bevy loses the box on the way.
+        (Ok(VertexAttributeValues::Snorm16x4(positions)), Some(b)) if in_main_world => {
+            let (middle, half) = ((b.min + b.max) / 2.0, (b.max - b.min) / 2.0);
+            let part = |p: i16| (f32::from(p) / f32::from(i16::MAX)).max(-1.0);
+            let unpacked = |&[x, y, z, _]: &[i16; 4]| middle + half * Vec3A::from([x, y, z].map(part));
+            positions.iter().map(|p| unpacked(p).to_array().into()).collect()
+        }
+        (Err(MeshAccessError::ExtractedToRenderWorld), _) => return Err(WhyNot::Unreadable),
         _ => return Err(WhyNot::Positions),
     };
     let indices = mesh.try_indices_option().map_err(|_| WhyNot::Unreadable)?;

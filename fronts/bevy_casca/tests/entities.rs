@@ -185,19 +185,30 @@ fn meshes_that_change_or_go_hide_as_they_are() {
 }
 
 #[test]
-fn meshes_that_only_the_renderer_keeps_hide_whenever_they_are_used() {
-    let mut app = headless(true);
-    let mut mesh = Mesh::from(Cuboid::new(1.0, 1.0, 1.0));
-    mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
-    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
-    app.update();
-    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-    meshes.get_mut_untracked(&mesh).unwrap().take_gpu_data().unwrap();
-    stage(app.world_mut());
-    for sides in [Opaque::Front, Opaque::Both] {
-        on(app.world_mut(), WALL, |wall| done(wall.insert((Mesh3d(mesh.clone()), sides))));
-        settle(&mut app);
-        assert_eq!(lists(&mut app)[&CAMERA], BTreeSet::from([WALL]), "{sides:?}");
+fn meshes_hide_however_they_are_stored() {
+    let (both, renderer) = (RenderAssetUsages::default(), RenderAssetUsages::RENDER_WORLD);
+    for (usage, packed) in [(renderer, false), (both, true), (renderer, true)] {
+        let mut app = headless(true);
+        let mut mesh = Mesh::from(Cuboid::new(1.0, 1.0, 1.0)).translated_by(Vec3::X * 0.2);
+        if packed {
+            mesh.compress_positions().unwrap();
+        }
+        mesh.asset_usage = usage;
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        app.update();
+        if !packed {
+            let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+            meshes.get_mut_untracked(&mesh).unwrap().take_gpu_data().unwrap();
+        }
+        stage(app.world_mut());
+        for sides in [Opaque::Front, Opaque::Both] {
+            on(app.world_mut(), WALL, |wall| done(wall.insert((Mesh3d(mesh.clone()), sides))));
+            settle(&mut app);
+            // Bevy draws it as a point.
+            let why = (packed && usage == renderer).then_some(WhyNot::Positions);
+            assert_eq!(lists(&mut app)[&CAMERA].len(), if why.is_some() { 51 } else { 1 }, "{sides:?}");
+            assert_eq!(why_not(&mut app, WALL), why);
+        }
     }
 }
 
