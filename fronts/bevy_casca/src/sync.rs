@@ -266,8 +266,12 @@ impl Sync<'_> {
             true => self.movers.get(&item.entity).map(|mover| border::affine(&mover.at)),
             false => self.scene.transform(id)?,
         };
-        let stays =
-            |before: &_| self.shifted.is_some_and(|shift| border::is_shifted(before, &transform, shift));
+        // What hides is moved where it is; the rest is cheaper as a box.
+        let may_hide = || item.key(false, self.meshes, &self.deferred).is_ok();
+        let stays = |before: &_| {
+            border::trembles(before, &transform, item.aabb) && may_hide()
+                || self.shifted.is_some_and(|shift| border::is_shifted(before, &transform, shift))
+        };
         let differs = before != Some(transform);
         let moved = differs && !before.as_ref().is_some_and(stays);
         let moves = moved || item.skinned || known.moves && !self.has_rested(item.entity);

@@ -120,6 +120,27 @@ fn what_moves_as_one_hides_as_one_after_some_frames() {
 }
 
 #[test]
+fn a_wall_that_trembles_hides_where_it_is() {
+    let mut pair = Pair::new(stage);
+    for frame in 0..60 {
+        let found = pair.frame(|world| {
+            on(world, WALL, |wall| {
+                let mut at = wall.get_mut::<Transform>().unwrap();
+                at.translation.x = 0.5 + 1e-3 * dice(frame);
+                at.rotation = Quat::from_rotation_y(4e-5 * dice(frame + 100));
+            });
+        });
+        assert_eq!(hidden(&found), if frame < 8 { 0 } else { 50 }, "frame {frame}");
+        let world = pair.ours.world_mut();
+        let wall = entity(world, WALL);
+        let id = world.get::<InScene>(wall).unwrap().id();
+        let known = world.resource::<CascaScene>().scene().unwrap().transform(id).unwrap();
+        let place = world.get::<GlobalTransform>(wall).unwrap().affine().to_cols_array();
+        assert_eq!(known.map(|at| at.to_cols_array()), (frame >= 8).then_some(place), "frame {frame}");
+    }
+}
+
+#[test]
 fn a_wall_that_is_drawn_again_hides_again() {
     let mut app = headless(true);
     stage(app.world_mut());
