@@ -72,8 +72,8 @@ pub(crate) fn is_shifted(a: &glam::Affine3A, b: &glam::Affine3A, shift: Vec3) ->
     a.matrix3 == b.matrix3 && (a.translation - b.translation).abs().max_element() <= size * SHIFT_ROUNDING
 }
 
-/// What moves by less than this share of its size in a frame counts as staying where it is.
-const TREMBLE: f32 = 1e-4;
+/// What moves by less than this share of half its longest edge in a frame counts as staying.
+const TREMBLE: f32 = 2e-4;
 
 /// Whether no point of a box moves by more than that from one transform to another one.
 pub(crate) fn trembles(from: &glam::Affine3A, to: &glam::Affine3A, b: &Aabb) -> bool {

@@ -15,6 +15,7 @@
 //! hides others, what nothing hides, the times, and the limits.
 #![deny(missing_docs)]
 
+mod asked;
 mod beams;
 mod border;
 mod cameras;

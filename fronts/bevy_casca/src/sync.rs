@@ -1,18 +1,21 @@
 //! Brings the scene up to date with the entities.
 
+use std::any::TypeId;
 use std::sync::Arc;
 
-use bevy_asset::{AssetEvent, Assets};
+use bevy_asset::{AssetEvent, Assets, RenderAssetUsages};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{InheritedVisibility, RenderLayers, VisibilityClass};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use bevy_light::NotShadowCaster;
 use bevy_log::warn_once;
 use bevy_math::{Vec3, Vec3A};
+use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
@@ -25,8 +28,75 @@ use crate::materials::{Deferred, Judged};
 use crate::occluders::{Key, Occluders};
 use crate::scene::{CascaScene, InScene, take_out};
 use crate::settings::{CascaSettings, NotOccluder, Occluder, Opaque};
-use crate::why_not::{Managed, ManagedItem, WhyNot};
-use crate::{border, grid};
+use crate::why_not::WhyNot;
+use crate::{border, grid, layers};
+
+/// All that decides how an entity is in the scene.
+#[derive(QueryData)]
+pub(crate) struct Managed {
+    pub(crate) entity: Entity,
+    mesh: &'static Mesh3d,
+    aabb: &'static Aabb,
+    transform: &'static GlobalTransform,
+    pub(crate) visible: &'static InheritedVisibility,
+    layers: Option<&'static RenderLayers>,
+    opaque: Option<&'static Opaque>,
+    judged: Option<&'static Judged>,
+    pub(crate) proxy: Option<&'static Occluder>,
+    not_occluder: Has<NotOccluder>,
+    not_caster: Has<NotShadowCaster>,
+    skinned: Has<SkinnedMesh>,
+    classes: Option<&'static VisibilityClass>,
+}
+
+impl ManagedItem<'_, '_> {
+    fn layers(&self) -> u64 {
+        layers::of_entity(self.layers, !self.visible.get(), !self.not_caster)
+    }
+
+    /// Whether it cannot be seen where its mesh is hidden.
+    pub(crate) fn may_be_hidden(&self) -> Result<(), WhyNot> {
+        let is_told = self.opaque.is_some() || self.proxy.is_some();
+        // A lamp with a light in it goes on shining where nobody sees it. A class may be there twice.
+        let mesh_alone = |classes: &&VisibilityClass| {
+            !classes.is_empty() && classes.iter().all(|class| *class == TypeId::of::<Mesh3d>())
+        };
+        self.classes.filter(mesh_alone).ok_or(WhyNot::InFront)?;
+        self.judged.map_or(Ok(()), |judged| judged.may_be_hidden(is_told))
+    }
+
+    /// The mesh that it hides with, if it does.
+    pub(crate) fn key(&self, moves: bool, meshes: &Assets<Mesh>, deferred: &Deferred) -> Result<Key, WhyNot> {
+        if moves && self.proxy.is_none() {
+            return Err(WhyNot::Moves(0));
+        }
+        if self.not_occluder || self.skinned {
+            return Err(WhyNot::Has(if self.skinned { "SkinnedMesh" } else { "NotOccluder" }));
+        }
+        let layers = self.layers();
+        if !layers::may_hide(layers) {
+            return Err(WhyNot::Layer);
+        }
+        let determinant = self.transform.affine().matrix3.determinant();
+        if !determinant.is_finite() || determinant == 0.0 {
+            return Err(WhyNot::Flat);
+        }
+        let mesh = meshes.get(self.mesh.id()).ok_or(WhyNot::NoMesh)?;
+        if !mesh.asset_usage.contains(RenderAssetUsages::RENDER_WORLD) {
+            return Err(WhyNot::NotRendered);
+        }
+        // Whatever is told of an entity: it hides nothing if its material is not drawn.
+        let told = self.proxy.map(|_| Opaque::Both).or(self.opaque.copied());
+        let sides = match self.judged {
+            Some(judged) => judged.hides(told, deferred, layers)?,
+            None => told.ok_or(WhyNot::NotOpaque)?,
+        };
+        if determinant < 0.0 && sides == Opaque::Front {
+            return Err(WhyNot::Mirrored);
+        }
+        Ok(Key { mesh: self.proxy.map_or(self.mesh.id(), |Occluder(proxy)| proxy.id()), sides })
+    }
+}
 
 /// Entities that are not in the scene yet.
 type New = (Complete, Manageable, Without<InScene>, Without<Refused>);
