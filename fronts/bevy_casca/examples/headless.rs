@@ -1,19 +1,22 @@
 //! A city without a window: how many entities Bevy's culling and casca leave to draw, and how long
-//! both take.
+//! both take, in turn, frame by frame.
 //!
 //! `cargo run --release -p bevy_casca --example headless`, or with numbers of entities behind `--`.
 //!
-//! Who culls is measured in turn, frame by frame, without a renderer. The step is what Bevy's sets
-//! for visibility run, with whatever stands in the place of their systems; the frame is all of it.
-//! Each draw that is left out saves time besides.
+//! The step is what Bevy's sets for visibility run, with whatever stands in the place of their
+//! systems; the frame is all of it, without a renderer.
+
+#[path = "town/layout.rs"]
+mod layout;
 
 use std::any::TypeId;
 use std::time::Instant;
 
 use bevy_app::{App, PostUpdate, TaskPoolPlugin};
 use bevy_asset::{AssetApp, AssetPlugin, Assets};
-use bevy_camera::visibility::{CascadesVisibleEntities, CubemapVisibleEntities, ViewVisibility};
-use bevy_camera::visibility::{VisibilitySystems, VisibleEntities};
+use bevy_camera::visibility::{
+    CascadesVisibleEntities, CubemapVisibleEntities, ViewVisibility, VisibilitySystems, VisibleEntities,
+};
 use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
 use bevy_casca::{CascaPlugin, CascaScene, CascaSettings, Opaque, Shadows};
 use bevy_ecs::prelude::*;
@@ -24,6 +27,7 @@ use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
 use bevy_shape::Cuboid;
 use bevy_transform::components::Transform;
 use bevy_transform::{TransformPlugin, TransformSystems};
+use layout::{Part, dice};
 
 const FRAMES: usize = 120;
 
@@ -71,38 +75,17 @@ fn main() {
     }
 }
 
-/// Numbers that look like chance.
-fn dice(n: usize) -> f32 {
-    let x = (n as u32).wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
-    ((x ^ x >> 15).wrapping_mul(0xc2b2_ae35) >> 8) as f32 / (1 << 24) as f32
-}
-
 /// One house to twenty things that stand around or walk.
 fn fill(world: &mut World, size: usize, scene: &Scene) {
     let cube = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
-    let mut put = |middle: Vec3, size: Vec3| {
+    let mut walkers = 0;
+    for (part, i, middle, size) in layout::boxes(size) {
         let at = Transform::from_translation(middle).with_scale(size);
-        world.spawn((Mesh3d(cube.clone()), at, Opaque::Front)).id()
-    };
-    let row = ((size / 20) as f32).sqrt().ceil() as usize;
-    let side = row as f32 * 24.0;
-    put(Vec3::new(0.0, -0.5, 0.0), Vec3::new(side + 50.0, 1.0, side + 50.0));
-    let houses = row * row;
-    for i in 0..houses {
-        let height = 8.0 + 30.0 * dice(i);
-        let (x, z) = ((i % row) as f32 * 24.0 - side / 2.0, (i / row) as f32 * 24.0 - side / 2.0);
-        put(Vec3::new(x, height / 2.0, z), Vec3::new(16.0, height, 16.0));
-    }
-    let mut walkers = Vec::new();
-    for i in houses + 1..size {
-        let middle = Vec3::new((dice(i) - 0.5) * side, 0.9, (dice(i + 77_777) - 0.5) * side);
-        let thing = put(middle, Vec3::new(0.6, 1.8, 0.4));
-        if i.is_multiple_of(20) {
-            walkers.push(thing);
+        let mut thing = world.spawn((Mesh3d(cube.clone()), at, Opaque::Front));
+        if part == Part::Thing && i.is_multiple_of(20) {
+            thing.insert(Walker(dice(walkers) * 6.3));
+            walkers += 1;
         }
-    }
-    for (i, walker) in walkers.into_iter().enumerate() {
-        world.entity_mut(walker).insert(Walker(dice(i) * 6.3));
     }
     let lens = PerspectiveProjection { aspect_ratio: 16.0 / 9.0, far: 1e4, ..Default::default() };
     world.spawn((Camera3d::default(), Projection::Perspective(lens), street(0)));
@@ -116,11 +99,9 @@ fn fill(world: &mut World, size: usize, scene: &Scene) {
     }
 }
 
-/// Where the camera is: it walks along a street and looks around.
+/// Where the camera is.
 fn street(frame: usize) -> Transform {
-    let t = frame as f32 / FRAMES as f32;
-    let at = Vec3::new(-12.0, 1.7, 20.0 - 20.0 * t);
-    Transform::from_translation(at).looking_to(Vec3::new((3.0 * t).sin(), 0.0, -(3.0 * t).cos()), Vec3::Y)
+    layout::street(frame as f32 / FRAMES as f32)
 }
 
 fn city(size: usize, scene: &Scene, culls: Culls) -> App {

@@ -6,9 +6,8 @@
 use bevy_ecs::entity::{Entity, EntityHashMap};
 use bevy_math::{Affine3A, Mat3A, Vec3A};
 use bevy_platform::collections::HashMap;
+use bevy_tasks::ComputeTaskPool;
 use casca::{Method, Query, Scene, View};
-
-use crate::run;
 
 /// More changes than this in a frame count as changes everywhere.
 const MOST_CHANGES: usize = 256;
@@ -123,11 +122,21 @@ pub(crate) fn shine(
             jobs.push((key, Beam { aim, query, lit, frame }));
         }
     }
-    run::each(&mut jobs, &|(_, beam)| _ = beam.query.run(scene, &beam.aim.view));
+    each(&mut jobs, &|(_, beam)| _ = beam.query.run(scene, &beam.aim.view));
     for (_, beam) in &mut jobs {
         let found = beam.query.pvs().visible().iter();
         let found = found.filter_map(|&id| Entity::try_from_bits(scene.user_data(id).ok()?));
         beam.lit.extend(found.filter(|&entity| !moves(entity)));
     }
     beams.extend(jobs);
+}
+
+/// Does something to each, by Bevy's compute tasks if there are several.
+pub(crate) fn each<T: Send>(all: &mut [T], does: &(impl Fn(&mut T) + Sync)) {
+    if all.len() < 2 {
+        return all.iter_mut().for_each(does);
+    }
+    ComputeTaskPool::get_or_init(Default::default).scope(|scope| {
+        all.iter_mut().for_each(|one| scope.spawn(async move { does(one) }));
+    });
 }

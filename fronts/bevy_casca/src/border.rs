@@ -72,6 +72,17 @@ pub(crate) fn is_shifted(a: &glam::Affine3A, b: &glam::Affine3A, shift: Vec3) ->
     a.matrix3 == b.matrix3 && (a.translation - b.translation).abs().max_element() <= size * SHIFT_ROUNDING
 }
 
+/// What moves by less than this share of half its longest edge in a frame counts as staying.
+const TREMBLE: f32 = 2e-4;
+
+/// Whether no point of a box moves by more than that from one transform to another one.
+pub(crate) fn trembles(from: &glam::Affine3A, to: &glam::Affine3A, b: &Aabb) -> bool {
+    let (middle, half) = (vec3(b.center.into()), glam::Vec3A::from(vec3(b.half_extents.into())));
+    let apart = (to.transform_point3(middle) - from.transform_point3(middle)).abs();
+    let apart = glam::Vec3A::from(apart) + (to.matrix3 - from.matrix3).abs() * half;
+    apart.max_element() <= (to.matrix3.abs() * half).max_element() * TREMBLE
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

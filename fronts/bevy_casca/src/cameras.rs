@@ -8,6 +8,7 @@ use bevy_camera::visibility::{
     VisibilityClass, VisibilityRange, VisibleEntities, VisibleEntityRanges,
 };
 use bevy_camera::{Camera, Projection};
+use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_light::cluster::ClusterVisibilityClass;
@@ -15,13 +16,13 @@ use bevy_math::{Mat4, Vec3};
 use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
 use bevy_utils::{Parallel, TypeIdHashMap};
-use casca::{Method, View};
+use casca::{Method, Scene, View};
 
 use crate::drawn::{self, Drawn};
 use crate::lamps::Lamps;
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
-use crate::{border, layers, run};
+use crate::{beams, border, layers};
 
 type Managed = (With<InScene>, With<GlobalTransform>, Without<NoCpuCulling>);
 type Unmanaged = (Without<InScene>, With<GlobalTransform>, Without<NoCpuCulling>);
@@ -132,7 +133,7 @@ pub(crate) fn check_cameras(
         .filter_map(|camera| Some((camera.entity, camera.view()?)))
         .collect();
     match casca.scene.as_ref().filter(|_| !matches!(settings.method, Method::Frustum)) {
-        Some(scene) => run::run_all(scene, &mut casca.cameras, settings.method, &views),
+        Some(scene) => run_all(scene, &mut casca.cameras, settings.method, &views),
         None => casca.cameras.clear(),
     }
     let ranges = ranges.as_deref();
@@ -156,7 +157,7 @@ pub(crate) fn check_cameras(
         );
         let shines = |lamp: &Entity| unmanaged.get_mut(*lamp).is_ok_and(|item| item.is_seen(&viewer));
         in_view.extend(later.keys().copied().filter(shines).map(|lamp| (lamp, camera.entity)));
-        match (casca.seen_by(camera.entity), &casca.scene) {
+        match (casca.cameras.get(&camera.entity).map(casca::Query::pvs), &casca.scene) {
             (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
                 let mut seen = 0;
@@ -226,4 +227,26 @@ pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
     // Sets that are older still hold. Would one be refused, hidden entities only cost more.
     let _ = scene.end_frame(cameras.values().map(casca::Query::pvs));
     counts.time += start.elapsed();
+}
+
+/// Runs a query for each view, the one of the frame before if there is one, and forgets others. A
+/// view has none if the method is refused.
+fn run_all(
+    scene: &Scene,
+    queries: &mut EntityHashMap<casca::Query>,
+    method: Method,
+    views: &[(Entity, View)],
+) {
+    let mut old = std::mem::take(queries);
+    let mut jobs: Vec<(Entity, casca::Query, &View)> = Vec::with_capacity(views.len());
+    for (key, view) in views {
+        let mut query = old.remove(key).unwrap_or_default();
+        if query.method() == method && query.pvs().is_valid_for(scene, view) {
+            queries.insert(*key, query);
+        } else if query.method() == method || query.set_method(method).is_ok() {
+            jobs.push((*key, query, view));
+        }
+    }
+    beams::each(&mut jobs, &|(_, query, view)| _ = query.run(scene, view));
+    queries.extend(jobs.into_iter().map(|(key, query, _)| (key, query)));
 }

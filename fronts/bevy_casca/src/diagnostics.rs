@@ -29,16 +29,17 @@ impl CascaDiagnostics {
     pub const TIME: DiagnosticPath = DiagnosticPath::const_new("casca/time");
 }
 
+/// All but the time.
+const COUNTS: [DiagnosticPath; 5] = [
+    CascaDiagnostics::ENTITIES,
+    CascaDiagnostics::VISIBLE,
+    CascaDiagnostics::CULLED,
+    CascaDiagnostics::CASTERS,
+    CascaDiagnostics::OCCLUDERS,
+];
+
 pub(crate) fn register(app: &mut App) {
-    for path in [
-        CascaDiagnostics::ENTITIES,
-        CascaDiagnostics::VISIBLE,
-        CascaDiagnostics::CULLED,
-        CascaDiagnostics::CASTERS,
-        CascaDiagnostics::OCCLUDERS,
-    ] {
-        app.register_diagnostic(Diagnostic::new(path));
-    }
+    COUNTS.into_iter().for_each(|path| _ = app.register_diagnostic(Diagnostic::new(path)));
     app.register_diagnostic(Diagnostic::new(CascaDiagnostics::TIME).with_suffix("ms"));
 }
 
@@ -47,14 +48,9 @@ pub(crate) fn measure(mut casca: ResMut<CascaScene>, store: Option<ResMut<Diagno
     let Counts { visible, culled, casters, time } = std::mem::take(&mut casca.counts);
     let Some(mut store) = store else { return };
     let entities = casca.scene.as_ref().map_or(0, casca::Scene::len);
-    for (path, value) in [
-        (CascaDiagnostics::ENTITIES, entities as f64),
-        (CascaDiagnostics::VISIBLE, visible as f64),
-        (CascaDiagnostics::CULLED, culled as f64),
-        (CascaDiagnostics::CASTERS, casters as f64),
-        (CascaDiagnostics::OCCLUDERS, casca.occluders() as f64),
-        (CascaDiagnostics::TIME, time.as_secs_f64() * 1e3),
-    ] {
+    let counts = [entities, visible, culled, casters, casca.occluders()].map(|count| count as f64);
+    let time = (CascaDiagnostics::TIME, time.as_secs_f64() * 1e3);
+    for (path, value) in COUNTS.into_iter().zip(counts).chain([time]) {
         if let Some(diagnostic) = store.get_mut(&path).filter(|diagnostic| diagnostic.is_enabled) {
             diagnostic.add_measurement(DiagnosticMeasurement { time: Instant::now(), value });
         }

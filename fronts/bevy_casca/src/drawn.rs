@@ -40,27 +40,18 @@ pub(crate) type Bounded = (
     Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>,
 );
 
-/// Without one of these, Bevy draws no mesh or does not know where it is.
-pub(crate) type Complete = (
-    With<Mesh3d>,
-    With<Aabb>,
-    With<GlobalTransform>,
-    With<Visibility>,
-    With<InheritedVisibility>,
-    With<ViewVisibility>,
-    With<VisibilityClass>,
-);
+/// With or without each component that Bevy needs to draw a mesh and to know where it is.
+macro_rules! each {
+    ($has:ident) => {
+        ($has<Mesh3d>, $has<Aabb>, $has<GlobalTransform>, $has<Visibility>, $has<InheritedVisibility>,
+            $has<ViewVisibility>, $has<VisibilityClass>)
+    };
+}
+
+pub(crate) type Complete = each!(With);
 
 /// The opposite.
-type Incomplete = Or<(
-    Without<Mesh3d>,
-    Without<Aabb>,
-    Without<GlobalTransform>,
-    Without<Visibility>,
-    Without<InheritedVisibility>,
-    Without<ViewVisibility>,
-    Without<VisibilityClass>,
-)>;
+type Incomplete = Or<each!(Without)>;
 
 /// Entities in the scene that have no place there any more, as far as that is found without a look
 /// at each.

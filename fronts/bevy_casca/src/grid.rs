@@ -57,6 +57,7 @@ pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, V
 
 /// The edge length of cells for boxes in world space. `None` without boxes, or if none suits them.
 fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<f32> {
+    let boxes: Vec<_> = boxes.iter().filter(|(min, max)| (*max - *min).is_finite()).collect();
     let stray = if boxes.len() < FEW { 0 } else { (boxes.len() as f64 * STRAY) as usize };
     let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
     let mut sides: Vec<f32> = Vec::with_capacity(boxes.len());

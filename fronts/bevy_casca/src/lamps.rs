@@ -136,11 +136,8 @@ impl Glow {
             if along >= cos { 1.0 } else { along * cos + (1.0 - along * along).max(0.0).sqrt() * sin }
         };
         let far = |along: Vec3A| Vec3A::from(along.to_array().map(|along| far(along).max(0.0))) + BLUR;
-        Self {
-            min: ball.middle - far(-along) * ball.range,
-            max: ball.middle + far(along) * ball.range,
-            ..ball
-        }
+        let [low, high] = [-along, along].map(|to| far(to) * ball.range);
+        Self { min: ball.middle - low, max: ball.middle + high, ..ball }
     }
 
     /// Whether light may fall on something in a box; in doubt, yes.

@@ -14,7 +14,7 @@ const OTHERS: u64 = 1 << 31;
 const LIGHTS: u32 = 32;
 
 /// The render layers by 32 bits; the last one stands for all from 31 on.
-fn bits(layers: Option<&RenderLayers>) -> u64 {
+pub(crate) fn of_camera(layers: Option<&RenderLayers>) -> u64 {
     let Some(layers) = layers else { return 1 };
     let blocks = layers.bits();
     let first = blocks.first().copied().unwrap_or(0);
@@ -27,7 +27,7 @@ pub(crate) fn of_entity(layers: Option<&RenderLayers>, hidden: bool, casts_shado
     if hidden {
         return 0;
     }
-    let bits = bits(layers);
+    let bits = of_camera(layers);
     bits | if casts_shadows { bits << LIGHTS } else { 0 }
 }
 
@@ -36,12 +36,8 @@ pub(crate) fn may_hide(layers: u64) -> bool {
     layers & OTHERS == 0
 }
 
-pub(crate) fn of_camera(layers: Option<&RenderLayers>) -> u64 {
-    bits(layers)
-}
-
 pub(crate) fn of_light(layers: Option<&RenderLayers>) -> u64 {
-    bits(layers) << LIGHTS
+    of_camera(layers) << LIGHTS
 }
 
 #[cfg(test)]

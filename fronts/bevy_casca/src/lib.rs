@@ -15,6 +15,7 @@
 //! hides others, what nothing hides, the times, and the limits.
 #![deny(missing_docs)]
 
+mod asked;
 mod beams;
 mod border;
 mod cameras;
@@ -28,11 +29,11 @@ mod lights;
 mod materials;
 mod occluders;
 mod plugin;
-mod run;
 mod scene;
 mod settings;
 mod sync;
 mod told;
+mod why_not;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
@@ -40,3 +41,4 @@ pub use materials::{DeferredPlugin, MaterialsPlugin, NeverHiddenPlugin, NoDeferr
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};
 pub use settings::{CascaSettings, CascaSystems, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};
+pub use why_not::WhyNot;

@@ -9,6 +9,7 @@ use bevy_asset::{
 };
 use bevy_camera::visibility::RenderLayers;
 use bevy_camera::{Camera, Camera3d};
+use bevy_ecs::component::ComponentId;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::lifecycle::{InsertEvent, RemoveEvent};
 use bevy_ecs::prelude::*;
@@ -19,6 +20,7 @@ use bevy_platform::collections::HashSet;
 use crate::layers;
 use crate::settings::{CascaSystems, Opaque};
 use crate::told::{Images, Told, follow_images};
+use crate::why_not::WhyNot;
 
 /// What a material says about how entities with it are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -89,7 +91,8 @@ impl<C: Component> Default for NeverHiddenPlugin<C> {
 
 impl<C: Component> Plugin for NeverHiddenPlugin<C> {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, mark::<C>.in_set(CascaSystems::Materials));
+        let (id, by) = (app.world_mut().register_component::<C>(), TypeId::of::<C>());
+        watch(app.world_mut(), id, Verdict { by, said: Ok(Surface::InFront), ready: true, watched: true });
     }
 }
 
@@ -219,56 +222,56 @@ impl Default for Deferred {
 
 /// On an entity with materials that were judged, by the components that hold them. Empty if it has
 /// them no more.
-#[derive(Component, Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Component, Debug, Clone, PartialEq, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Judged(Vec<Verdict>);
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Verdict {
     by: TypeId,
-    said: Said,
+    /// What the rule says, or why it says nothing.
+    said: Result<Surface, WhyNot>,
     /// Whether the renderer can draw with it.
     ready: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Said {
-    /// There is no such material.
-    Nothing,
-    /// There is no rule for such materials.
-    NoRule,
-    Surface(Surface),
+    /// Whether observers tell of it, at once.
+    watched: bool,
 }
 
 impl Judged {
     /// Whether things that are nearer are drawn over the entity. Where there is no rule, its own
     /// components have to say so.
-    pub(crate) fn may_be_hidden(&self, is_told: bool) -> bool {
-        self.0.iter().all(|verdict| match verdict.said {
-            Said::Nothing | Said::Surface(Surface::InFront) => false,
-            Said::NoRule => is_told,
-            Said::Surface(_) => true,
+    pub(crate) fn may_be_hidden(&self, is_told: bool) -> Result<(), WhyNot> {
+        self.0.iter().try_for_each(|verdict| match verdict.said {
+            Ok(Surface::InFront) => Err(WhyNot::InFront),
+            Err(WhyNot::NoRule) if is_told => Ok(()),
+            said => said.map(|_| ()),
         })
     }
 
     /// From which sides the entity hides others; `told` is what its own component says of that.
-    pub(crate) fn hides(&self, told: Option<Opaque>, deferred: &Deferred, layers: u64) -> Option<Opaque> {
-        let mut found = None;
+    pub(crate) fn hides(
+        &self,
+        told: Option<Opaque>,
+        deferred: &Deferred,
+        layers: u64,
+    ) -> Result<Opaque, WhyNot> {
+        let mut found = Err(WhyNot::NoMaterial);
         for verdict in &self.0 {
             let (by_material, is_deferred) = match verdict.said {
-                Said::Nothing => return None,
-                Said::NoRule | Said::Surface(Surface::Unknown | Surface::InFront) => (None, false),
-                Said::Surface(Surface::Opaque(sides)) => (Some(sides), false),
-                Said::Surface(Surface::Deferred(sides)) => (Some(sides), true),
-                Said::Surface(Surface::ByDefault(sides)) => (Some(sides), deferred.by_default),
+                Ok(Surface::Opaque(sides)) => (Some(sides), false),
+                Ok(Surface::Deferred(sides)) => (Some(sides), true),
+                Ok(Surface::ByDefault(sides)) => (Some(sides), deferred.by_default),
+                Ok(_) | Err(WhyNot::NoRule) => (None, false),
+                Err(why) => return Err(why),
             };
-            let sides = told.or(by_material)?;
-            // Of several, Bevy draws one.
-            let differs = found.is_some_and(|found| found != sides);
-            if differs || !verdict.ready || is_deferred && deferred.forward & layers != 0 {
-                return None;
-            }
-            found = Some(sides);
+            let sides = told.or(by_material).ok_or(WhyNot::NotOpaque)?;
+            found = match found {
+                // Of several, Bevy draws one.
+                Ok(other) if other != sides => return Err(WhyNot::Sides),
+                _ if !verdict.ready => return Err(WhyNot::Textures),
+                _ if is_deferred && deferred.forward & layers != 0 => return Err(WhyNot::Deferred),
+                _ => Ok(sides),
+            };
         }
         found
     }
@@ -279,8 +282,7 @@ pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
     let Ok(mut entity) = commands.get_entity(entity) else { return };
     entity.queue_silenced(|mut entity: EntityWorldMut| {
         let Some(mut judged) = entity.get_mut::<Judged>() else { return };
-        // The others are told of at once.
-        judged.0.retain(|verdict| verdict.said == Said::NoRule);
+        judged.0.retain(|verdict| verdict.watched);
         if judged.0.is_empty() {
             entity.remove::<Judged>();
         }
@@ -343,40 +345,14 @@ fn judge<C: Component + AsAssetId>(
     let users = users.filter(|(_, material)| images.lost || other.contains(&material.as_asset_id()));
     for (entity, material) in changed.iter().chain(users) {
         let id = material.as_asset_id();
-        let said = assets.get(id).map_or(Said::Nothing, |material| Said::Surface(rule.0(material)));
+        let said = assets.get(id).map(|material| rule.0(material)).ok_or(WhyNot::NoMaterial);
         let ready = is_ready(id);
         if !ready {
             waiting.insert(id);
         }
-        note(&mut commands, entity, by, Some(Verdict { by, said, ready }));
+        note(&mut commands, entity, by, Some(Verdict { by, said, ready, watched: false }));
     }
     told.waiting = waiting;
-}
-
-/// Of entities that have got such a component.
-type Newly<C> = (With<C>, Or<(Added<C>, Without<Judged>)>, Allow<Disabled>);
-
-/// Notes who has a component that puts it before others.
-fn mark<C: Component>(
-    mut commands: Commands,
-    new: Query<Entity, Newly<C>>,
-    all: Query<Entity, (With<C>, Allow<Disabled>)>,
-    mut gone: RemovedComponents<C>,
-) {
-    let by = TypeId::of::<C>();
-    for entity in gone.read().filter(|entity| !all.contains(*entity)) {
-        note(&mut commands, entity, by, None);
-        // It says nothing about materials.
-        commands.entity(entity).queue_silenced(|mut entity: EntityWorldMut| {
-            if entity.get::<Judged>().is_some_and(|judged| judged.0.is_empty()) {
-                entity.remove::<Judged>();
-            }
-        });
-    }
-    for entity in &new {
-        let verdict = Verdict { by, said: Said::Surface(Surface::InFront), ready: true };
-        note(&mut commands, entity, by, Some(verdict));
-    }
 }
 
 /// The component that holds a material, as reflection names it: this crate does not depend on the
@@ -401,18 +377,32 @@ pub(crate) fn watch_unruled(world: &mut World) {
     drop(registry);
     for (by, component) in holders {
         let id = component.register_component(world);
-        let verdict = Verdict { by, said: Said::NoRule, ready: true };
-        let mut there = QueryBuilder::<Entity, Allow<Disabled>>::new(world);
-        let mut there = there.with_id(id).build();
-        let there: Vec<Entity> = there.iter(world).collect();
-        let mut commands = world.commands();
-        there.into_iter().for_each(|entity| note(&mut commands, entity, by, Some(verdict)));
-        let come = move |on: On<InsertEvent>, mut commands: Commands| {
-            note(&mut commands, on.entity, by, Some(verdict));
-        };
-        let go = move |on: On<RemoveEvent>, mut commands: Commands| note(&mut commands, on.entity, by, None);
-        world.spawn(Observer::new(come).with_component(id));
-        world.spawn(Observer::new(go).with_component(id));
+        watch(world, id, Verdict { by, said: Err(WhyNot::NoRule), ready: true, watched: true });
     }
     world.flush();
+}
+
+/// Puts a verdict on all entities with a component, now and later.
+fn watch(world: &mut World, id: ComponentId, verdict: Verdict) {
+    let mut there = QueryBuilder::<Entity, Allow<Disabled>>::new(world);
+    let mut there = there.with_id(id).build();
+    let there: Vec<Entity> = there.iter(world).collect();
+    let mut commands = world.commands();
+    there.into_iter().for_each(|entity| note(&mut commands, entity, verdict.by, Some(verdict)));
+    let come = move |on: On<InsertEvent>, mut commands: Commands| {
+        note(&mut commands, on.entity, verdict.by, Some(verdict));
+    };
+    let go = move |on: On<RemoveEvent>, mut commands: Commands| {
+        note(&mut commands, on.entity, verdict.by, None);
+        // What is no material says nothing about materials.
+        let is_bare = move |judged: &Judged| judged.0.is_empty() && verdict.said.is_ok();
+        let Ok(mut entity) = commands.get_entity(on.entity) else { return };
+        entity.queue_silenced(move |mut entity: EntityWorldMut| {
+            if entity.get::<Judged>().is_some_and(is_bare) {
+                entity.remove::<Judged>();
+            }
+        });
+    };
+    world.spawn(Observer::new(come).with_component(id));
+    world.spawn(Observer::new(go).with_component(id));
 }

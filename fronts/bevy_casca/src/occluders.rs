@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use bevy_asset::{AssetId, Assets, RenderAssetUsages};
 use bevy_ecs::entity::{Entity, EntityHashSet};
-use bevy_mesh::{Mesh, PrimitiveTopology, VertexAttributeValues};
+use bevy_math::Vec3A;
+use bevy_mesh::{Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy_platform::collections::HashMap;
 use bevy_tasks::futures::check_ready;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
@@ -17,6 +18,7 @@ use casca::{Facing, MeshOptions, TriMesh};
 use casca_cache::MeshCache;
 
 use crate::settings::{CascaSettings, Opaque};
+use crate::why_not::WhyNot;
 
 /// A mesh, and the sides from which it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -29,10 +31,10 @@ pub(crate) struct Key {
 enum State {
     /// The asset is not there.
     Missing,
-    Preparing(Task<Option<TriMesh>>),
+    Preparing(Task<Result<TriMesh, WhyNot>>),
     Ready(Arc<TriMesh>),
-    /// It hides nothing: it has no triangles, too many, or none that can be read.
-    Useless,
+    /// It hides nothing.
+    Useless(WhyNot),
 }
 
 #[derive(Debug)]
@@ -49,8 +51,6 @@ pub(crate) struct Occluders {
     preparing: Vec<Key>,
     /// Of meshes that only the renderer keeps: they can be read when they come, and no more.
     kept: HashMap<AssetId<Mesh>, Triangles>,
-    /// Meshes of which only the graphics processor has a copy.
-    pub(crate) unreadable: usize,
     stored: Stored,
 }
 
@@ -70,11 +70,9 @@ impl Occluders {
             .or_insert_with(|| Entry { state: State::Missing, users: EntityHashSet::default() });
         entry.users.insert(entity);
         if let (State::Missing, Some(mesh)) = (&entry.state, meshes.get(key.mesh)) {
-            let found = self.kept.get(&key.mesh).cloned().or_else(|| triangles(mesh, most_triangles));
-            let is_gone = || mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).is_err();
-            self.unreadable += usize::from(found.is_none() && is_gone());
-            entry.state = match found {
-                Some((positions, triangles)) => {
+            let kept = self.kept.get(&key.mesh).cloned();
+            entry.state = match kept.map_or_else(|| triangles(mesh, most_triangles), Ok) {
+                Ok((positions, triangles)) => {
                     self.preparing.push(key);
                     let pool = AsyncComputeTaskPool::get_or_init(Default::default);
                     let stored = self.stored.clone();
@@ -82,12 +80,22 @@ impl Occluders {
                         pool.spawn(async move { stored.prepare(positions, triangles, key.sides) }),
                     )
                 }
-                None => State::Useless,
+                Err(why) => State::Useless(why),
             };
         }
         match &entry.state {
             State::Ready(mesh) => Some(mesh.clone()),
             _ => None,
+        }
+    }
+
+    /// Why a mesh hides nothing that was asked for.
+    pub(crate) fn why_not(&self, key: &Key) -> Result<(), WhyNot> {
+        match self.entries.get(key).map(|entry| &entry.state) {
+            Some(State::Ready(_)) => Ok(()),
+            Some(State::Preparing(_)) => Err(WhyNot::Preparing),
+            Some(State::Useless(why)) => Err(*why),
+            Some(State::Missing) | None => Err(WhyNot::NoMesh),
         }
     }
 
@@ -110,7 +118,7 @@ impl Occluders {
             let Some(entry) = entries.get_mut(key) else { return false };
             let State::Preparing(task) = &mut entry.state else { return false };
             let Some(done) = check_ready(task) else { return true };
-            entry.state = done.map_or(State::Useless, |mesh| State::Ready(Arc::new(mesh)));
+            entry.state = done.map_or_else(State::Useless, |mesh| State::Ready(Arc::new(mesh)));
             out.extend(entry.users.iter());
             false
         });
@@ -126,7 +134,7 @@ impl Occluders {
     ) {
         self.kept.remove(&mesh);
         let new = meshes.get(mesh).filter(|mesh| mesh.asset_usage == RenderAssetUsages::RENDER_WORLD);
-        self.kept.extend(new.and_then(|new| Some((mesh, triangles(new, most_triangles)?))));
+        self.kept.extend(new.and_then(|new| Some((mesh, triangles(new, most_triangles).ok()?))));
         for sides in [Opaque::Front, Opaque::Both] {
             if let Some(entry) = self.entries.remove(&Key { mesh, sides }) {
                 out.extend(entry.users.iter());
@@ -148,27 +156,38 @@ impl Occluders {
 type Triangles = (Vec<Vec3>, Vec<[u32; 3]>);
 
 /// The triangles of a mesh, if it is made of them and they can be read.
-fn triangles(mesh: &Mesh, most: usize) -> Option<Triangles> {
+fn triangles(mesh: &Mesh, most: usize) -> Result<Triangles, WhyNot> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-        return None;
+        return Err(WhyNot::NotTriangles);
     }
-    let Ok(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) else {
-        return None;
+    let in_main_world = mesh.asset_usage.contains(RenderAssetUsages::MAIN_WORLD);
+    let positions: Vec<Vec3> = match (mesh.try_attribute(Mesh::ATTRIBUTE_POSITION), mesh.final_aabb) {
+        (Ok(VertexAttributeValues::Float32x3(positions)), _) => positions.iter().map(|&p| p.into()).collect(),
+        // As shaders unpack them. Without a copy in the main world, Bevy loses the box on the way.
+        (Ok(VertexAttributeValues::Snorm16x4(positions)), Some(b)) if in_main_world => {
+            let (middle, half) = ((b.min + b.max) / 2.0, (b.max - b.min) / 2.0);
+            let part = |p: i16| (f32::from(p) / f32::from(i16::MAX)).max(-1.0);
+            let unpacked = |&[x, y, z, _]: &[i16; 4]| middle + half * Vec3A::from([x, y, z].map(part));
+            positions.iter().map(|p| unpacked(p).to_array().into()).collect()
+        }
+        (Err(MeshAccessError::ExtractedToRenderWorld), _) => return Err(WhyNot::Unreadable),
+        _ => return Err(WhyNot::Positions),
     };
-    let mut corners: Box<dyn ExactSizeIterator<Item = u32>> = match mesh.try_indices_option().ok()? {
+    let indices = mesh.try_indices_option().map_err(|_| WhyNot::Unreadable)?;
+    let mut corners: Box<dyn ExactSizeIterator<Item = u32>> = match indices {
         Some(bevy_mesh::Indices::U16(indices)) => Box::new(indices.iter().map(|&i| u32::from(i))),
         Some(bevy_mesh::Indices::U32(indices)) => Box::new(indices.iter().copied()),
-        None => Box::new(0..u32::try_from(positions.len()).ok()?),
+        None => Box::new(0..u32::try_from(positions.len()).unwrap_or(u32::MAX)),
     };
     let count = corners.len() / 3;
-    if count == 0 || count > most {
-        return None;
+    if count > most {
+        return Err(WhyNot::Triangles(count));
     }
     let mut triangles = Vec::with_capacity(count);
     while let (Some(a), Some(b), Some(c)) = (corners.next(), corners.next(), corners.next()) {
         triangles.push([a, b, c]);
     }
-    Some((positions.iter().map(|&p| p.into()).collect(), triangles))
+    Ok((positions, triangles))
 }
 
 /// A folder of prepared meshes, or none.
@@ -201,8 +220,13 @@ impl Stored {
     #[cfg(not(feature = "cache"))]
     fn follow(&mut self, _: &CascaSettings) {}
 
-    /// Prepares a mesh that is drawn from some sides, or reads it. `None` if it hides nothing.
-    fn prepare(&self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, sides: Opaque) -> Option<TriMesh> {
+    /// Prepares a mesh that is drawn from some sides, or reads it.
+    fn prepare(
+        &self,
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        sides: Opaque,
+    ) -> Result<TriMesh, WhyNot> {
         let facing = match sides {
             Opaque::Front => Facing::Front,
             Opaque::Both => Facing::Both,
@@ -211,8 +235,8 @@ impl Stored {
         let progress = &mut |_| ControlFlow::Continue(());
         #[cfg(feature = "cache")]
         if let Some(cache) = &self.cache {
-            return cache.prepare(positions, triangles, &how, progress).ok();
+            return Ok(cache.prepare(positions, triangles, &how, progress)?);
         }
-        TriMesh::prepare(positions, triangles, &how, progress).ok()
+        Ok(TriMesh::prepare(positions, triangles, &how, progress)?)
     }
 }

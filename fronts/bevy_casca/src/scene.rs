@@ -15,6 +15,7 @@ use crate::border;
 use crate::occluders::{Key, Occluders};
 #[cfg(doc)]
 use crate::settings::CascaSettings;
+use crate::why_not::WhyNot;
 
 /// The entities as casca sees them: a [`casca::Scene`], and the queries of cameras.
 ///
@@ -60,14 +61,8 @@ impl CascaScene {
         self.scene.as_ref()
     }
 
-    /// What a camera may see of the entities in the scene, found in this frame. `None` if it is
-    /// culled by frustum only.
-    pub fn seen_by(&self, camera: Entity) -> Option<&casca::Pvs> {
-        self.cameras.get(&camera).map(Query::pvs)
-    }
-
-    /// The query of a camera, for questions about anything in its view: see
-    /// [`casca::Query::sight`]. `None` if it is culled by frustum only.
+    /// The query of a camera: what it sees in this frame ([`casca::Query::pvs`]), and questions about
+    /// anything in its view ([`casca::Query::sight`]). `None` if it is culled by frustum only.
     pub fn camera(&self, camera: Entity) -> Option<&casca::Query> {
         self.cameras.get(&camera)
     }
@@ -101,11 +96,6 @@ impl CascaScene {
     pub fn is_preparing(&self) -> bool {
         self.occluders.are_preparing()
     }
-
-    /// The number of meshes that hide nothing because only the graphics processor has them.
-    pub fn unreadable(&self) -> usize {
-        self.occluders.unreadable
-    }
 }
 
 /// Takes an object out of the scene, if it is there: an id of an earlier grid names nothing.
@@ -129,16 +119,10 @@ pub struct InScene {
     pub(crate) boxed: bool,
     /// The mesh that it hides with, or will when that is ready.
     pub(crate) key: Option<Key>,
-    /// Whether that mesh was refused, because it reaches out of the box.
-    pub(crate) refused: bool,
+    /// Why that mesh was refused, if it was.
+    pub(crate) refused: Option<Box<WhyNot>>,
     pub(crate) layers: u64,
     pub(crate) aabb: Aabb,
-    /// After so many frames without a move it counts as still.
-    pub(crate) patience: u32,
-    /// The frame in which it was put there.
-    pub(crate) since: u32,
-    /// Whether it was put there for the first time.
-    pub(crate) is_new: bool,
 }
 
 impl InScene {

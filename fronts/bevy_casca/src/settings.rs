@@ -6,16 +6,6 @@ use bevy_mesh::Mesh;
 use casca::{Method, PointOptions};
 
 /// How entities are culled. Change it at any time; it counts from the next frame on.
-///
-/// ```
-/// use bevy_casca::{CascaSettings, casca::{Method, PointOptions}};
-///
-/// let settings = CascaSettings {
-///     method: Method::Point(PointOptions::fast()),
-///     ..CascaSettings::default()
-/// };
-/// # let _ = settings;
-/// ```
 #[derive(Resource, Debug, Clone, PartialEq)]
 pub struct CascaSettings {
     /// Whether casca culls. If not, entities are culled by frustum as Bevy does it. Default: true.

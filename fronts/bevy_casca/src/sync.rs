@@ -28,33 +28,81 @@ use crate::materials::{Deferred, Judged};
 use crate::occluders::{Key, Occluders};
 use crate::scene::{CascaScene, InScene, take_out};
 use crate::settings::{CascaSettings, NotOccluder, Occluder, Opaque};
+use crate::why_not::WhyNot;
 use crate::{border, grid, layers};
-
-/// After a move, an entity has to rest twice as long as before to count as still, up to this.
-const MOST_PATIENCE: u32 = 1024;
 
 /// All that decides how an entity is in the scene.
 #[derive(QueryData)]
-#[query_data(mutable)]
 pub(crate) struct Managed {
-    entity: Entity,
+    pub(crate) entity: Entity,
     mesh: &'static Mesh3d,
     aabb: &'static Aabb,
     transform: &'static GlobalTransform,
-    visible: &'static InheritedVisibility,
+    pub(crate) visible: &'static InheritedVisibility,
     layers: Option<&'static RenderLayers>,
     opaque: Option<&'static Opaque>,
     judged: Option<&'static Judged>,
-    proxy: Option<&'static Occluder>,
+    pub(crate) proxy: Option<&'static Occluder>,
     not_occluder: Has<NotOccluder>,
     not_caster: Has<NotShadowCaster>,
     skinned: Has<SkinnedMesh>,
     classes: Option<&'static VisibilityClass>,
-    known: Option<&'static mut InScene>,
+}
+
+impl ManagedItem<'_, '_> {
+    fn layers(&self) -> u64 {
+        layers::of_entity(self.layers, !self.visible.get(), !self.not_caster)
+    }
+
+    /// Whether it cannot be seen where its mesh is hidden.
+    pub(crate) fn may_be_hidden(&self) -> Result<(), WhyNot> {
+        let is_told = self.opaque.is_some() || self.proxy.is_some();
+        // A lamp with a light in it goes on shining where nobody sees it. A class may be there twice.
+        let mesh_alone = |classes: &&VisibilityClass| {
+            !classes.is_empty() && classes.iter().all(|class| *class == TypeId::of::<Mesh3d>())
+        };
+        self.classes.filter(mesh_alone).ok_or(WhyNot::InFront)?;
+        self.judged.map_or(Ok(()), |judged| judged.may_be_hidden(is_told))
+    }
+
+    /// The mesh that it hides with, if it does.
+    pub(crate) fn key(&self, moves: bool, meshes: &Assets<Mesh>, deferred: &Deferred) -> Result<Key, WhyNot> {
+        if moves && self.proxy.is_none() {
+            return Err(WhyNot::Moves(0));
+        }
+        if self.not_occluder || self.skinned {
+            return Err(WhyNot::Has(if self.skinned { "SkinnedMesh" } else { "NotOccluder" }));
+        }
+        let layers = self.layers();
+        if !layers::may_hide(layers) {
+            return Err(WhyNot::Layer);
+        }
+        let determinant = self.transform.affine().matrix3.determinant();
+        if !determinant.is_finite() || determinant == 0.0 {
+            return Err(WhyNot::Flat);
+        }
+        let mesh = meshes.get(self.mesh.id()).ok_or(WhyNot::NoMesh)?;
+        if !mesh.asset_usage.contains(RenderAssetUsages::RENDER_WORLD) {
+            return Err(WhyNot::NotRendered);
+        }
+        // Whatever is told of an entity: it hides nothing if its material is not drawn.
+        let told = self.proxy.map(|_| Opaque::Both).or(self.opaque.copied());
+        let sides = match self.judged {
+            Some(judged) => judged.hides(told, deferred, layers)?,
+            None => told.ok_or(WhyNot::NotOpaque)?,
+        };
+        if determinant < 0.0 && sides == Opaque::Front {
+            return Err(WhyNot::Mirrored);
+        }
+        Ok(Key { mesh: self.proxy.map_or(self.mesh.id(), |Occluder(proxy)| proxy.id()), sides })
+    }
 }
 
 /// Entities that are not in the scene yet.
 type New = (Complete, Manageable, Without<InScene>, Without<Refused>);
+
+/// Entities that may be in the scene.
+type Present = (Complete, Manageable, Without<Disabled>);
 
 /// Entities that are looked at when they change.
 type Watched = Or<(With<InScene>, With<Refused>)>;
@@ -81,7 +129,7 @@ const ROWS: usize = 64;
 /// On entities that casca refused, until they change.
 #[derive(Component)]
 #[component(clone_behavior = Ignore)]
-pub(crate) struct Refused;
+pub(crate) struct Refused(pub(crate) WhyNot);
 
 /// The entities whose state in the scene is to be looked at.
 #[derive(SystemParam)]
@@ -90,13 +138,18 @@ pub(crate) struct Candidates<'w, 's> {
     gone: Query<'w, 's, (Entity, &'static InScene), Gone>,
     parts: Query<'w, 's, Parts, Watched>,
     all: Query<'w, 's, Entity, Watched>,
-    no_layers: RemovedComponents<'w, 's, RenderLayers>,
-    no_opaque: RemovedComponents<'w, 's, Opaque>,
-    not_judged: RemovedComponents<'w, 's, Judged>,
-    no_proxy: RemovedComponents<'w, 's, Occluder>,
-    hides_again: RemovedComponents<'w, 's, NotOccluder>,
-    casts_again: RemovedComponents<'w, 's, NotShadowCaster>,
+    removed: Removed<'w, 's>,
 }
+
+/// Of components that count.
+type Removed<'w, 's> = (
+    RemovedComponents<'w, 's, RenderLayers>,
+    RemovedComponents<'w, 's, Opaque>,
+    RemovedComponents<'w, 's, Judged>,
+    RemovedComponents<'w, 's, Occluder>,
+    RemovedComponents<'w, 's, NotOccluder>,
+    RemovedComponents<'w, 's, NotShadowCaster>,
+);
 
 /// The system of [`CascaSystems::Sync`](crate::CascaSystems::Sync).
 pub(crate) fn sync(
@@ -106,7 +159,7 @@ pub(crate) fn sync(
     meshes: Option<Res<Assets<Mesh>>>,
     mut events: Option<MessageReader<AssetEvent<Mesh>>>,
     mut candidates: Candidates,
-    mut managed: Query<Managed, (Complete, Manageable, Without<Disabled>)>,
+    mut managed: Query<(Managed, Option<&mut InScene>), Present>,
 ) {
     let Some(meshes) = meshes else { return };
     let start = Instant::now();
@@ -147,24 +200,21 @@ pub(crate) fn sync(
     };
     // The clock only has to run.
     let _ = scene.begin_frame(f64::from(*frame) / 60.0);
-    if std::mem::take(&mut casca.was_off) {
+    let shifted = shifted.take();
+    let is_other = deferred.as_ref().is_some_and(DetectChanges::is_changed);
+    if std::mem::take(&mut casca.was_off) || is_other || shifted.is_some() {
         // What changed meanwhile is not known.
         look.extend(&candidates.all);
     }
-    let shifted = shifted.take().inspect(|_| look.extend(&candidates.all));
     let shifted =
         shifted.filter(|by| scene.set_origin(scene.origin() + border::vec3(*by).as_dvec3()).is_ok());
-    shifted
-        .iter()
-        .for_each(|by| movers.values_mut().for_each(|mover| mover.at.translation -= Vec3A::from(*by)));
-    if deferred.as_ref().is_some_and(DetectChanges::is_changed) {
-        look.extend(&candidates.all);
+    if let Some(by) = &shifted {
+        movers.values_mut().for_each(|mover| mover.at.translation -= Vec3A::from(*by));
     }
     let deferred = deferred.as_deref().copied().unwrap_or_default();
     occluders.poll(&mut look);
     occluders.store(&settings);
     candidates.extend_changed(&mut look);
-    candidates.extend_removed(&mut look);
     let rested = movers.iter().filter(|(_, mover)| mover.rests <= *frame).map(|(entity, _)| *entity);
     look.extend(rested.take(settings.most_new));
     look.extend(candidates.new.iter().map(|(entity, ..)| entity).take(settings.most_new));
@@ -175,15 +225,15 @@ pub(crate) fn sync(
     let mut sync =
         Sync { scene, occluders, movers, changes, farthest, frame, shifted, settings, meshes, deferred };
     for &entity in &look {
-        let Ok(mut item) = managed.get_mut(entity) else { continue };
-        match sync.bring_up_to_date(&mut item) {
+        let Ok((item, known)) = managed.get_mut(entity) else { continue };
+        match sync.bring_up_to_date(&item, known) {
             Ok(None) => {}
             Ok(Some(known)) => _ = commands.entity(entity).try_insert(known).try_remove::<Refused>(),
-            Err(refusal) => {
-                if let Refusal::Of(error) = refusal {
+            Err(why) => {
+                if let WhyNot::Refused(error) = why {
                     warn_once!("{entity} is culled by frustum only: {error}");
                 }
-                commands.entity(entity).try_remove::<InScene>().try_insert(Refused);
+                commands.entity(entity).try_remove::<InScene>().try_insert(Refused(why));
             }
         }
     }
@@ -191,8 +241,12 @@ pub(crate) fn sync(
 }
 
 impl Candidates<'_, '_> {
-    /// Appends entities of which a component changed.
-    fn extend_changed(&self, out: &mut Vec<Entity>) {
+    /// Appends entities of which a component changed or went.
+    fn extend_changed(&mut self, out: &mut Vec<Entity>) {
+        let (layers, opaque, judged, proxies, stops, casters) = &mut self.removed;
+        let gone =
+            [layers.read(), opaque.read(), judged.read(), proxies.read(), stops.read(), casters.read()];
+        out.extend(gone.into_iter().flatten());
         let Ok(tables) = self.parts.contiguous_iter() else { return out.extend(&self.all) };
         for (entities, place, a, b, c, d, e, f, g, h, i, j) in tables {
             let (last_run, this_run) = (place.last_run_tick(), place.this_run_tick());
@@ -215,33 +269,10 @@ impl Candidates<'_, '_> {
             }
         }
     }
-
-    /// Appends entities that lost a component which counts.
-    fn extend_removed(&mut self, out: &mut Vec<Entity>) {
-        out.extend(self.no_layers.read());
-        out.extend(self.no_opaque.read());
-        out.extend(self.not_judged.read());
-        out.extend(self.no_proxy.read());
-        out.extend(self.hides_again.read());
-        out.extend(self.casts_again.read());
-    }
 }
 
 fn ticks<T>(part: ContiguousRef<'_, T>) -> &[Tick] {
     ContiguousRef::split(part).1.changed()
-}
-
-/// Why an entity is not in the scene.
-enum Refusal {
-    /// It may be seen where its mesh is hidden.
-    MayBeSeen,
-    Of(casca::Error),
-}
-
-impl From<casca::Error> for Refusal {
-    fn from(error: casca::Error) -> Self {
-        Self::Of(error)
-    }
 }
 
 struct Sync<'a> {
@@ -262,22 +293,22 @@ impl Sync<'_> {
     ///
     /// # Errors
     /// If it may not be hidden. It is not in the scene then.
-    fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, Refusal> {
+    fn bring_up_to_date(
+        &mut self,
+        item: &ManagedItem,
+        known: Option<Mut<InScene>>,
+    ) -> Result<Option<InScene>, WhyNot> {
         let around = border::world_box(item.aabb, &item.transform.affine());
-        let done = match item.known.as_deref() {
-            _ if !may_be_hidden(item) => Err(Refusal::MayBeSeen),
-            None => self.put(item, around, item.skinned, self.settings.still_after.max(1)).map(Some),
-            Some(_) => self.change(item, around),
-        };
+        let done = item.may_be_hidden().and_then(|()| match &known {
+            None => self.put(item, around, item.skinned).map(Some),
+            Some(known) => self.change(item, known, around),
+        });
         if done.is_ok() {
             *self.farthest = self.farthest.max(around.0.abs().max(around.1.abs()).max_element());
         }
-        let Some(known) = item.known.as_deref_mut() else { return done };
-        let leaves = match &done {
-            Ok(None) => false,
-            Ok(Some(new)) => new.key != known.key,
-            Err(_) => true,
-        };
+        let Some(mut known) = known else { return done };
+        let stays = |new: &Option<InScene>| new.as_ref().is_none_or(|new| new.key == known.key);
+        let leaves = !done.as_ref().is_ok_and(stays);
         if let Some(key) = known.key.filter(|_| leaves) {
             self.occluders.leave(key, item.entity);
         }
@@ -293,31 +324,38 @@ impl Sync<'_> {
     }
 
     /// Changes an entity that is in the scene. Returns its state if that is another one now.
-    fn change(&mut self, item: &ManagedItem, around: (Vec3A, Vec3A)) -> Result<Option<InScene>, Refusal> {
-        let Some(known) = item.known.as_deref() else { return Ok(None) };
+    fn change(
+        &mut self,
+        item: &ManagedItem,
+        known: &InScene,
+        around: (Vec3A, Vec3A),
+    ) -> Result<Option<InScene>, WhyNot> {
         let id = known.id;
         let transform = border::affine(&item.transform.affine());
         let before = match known.boxed {
             true => self.movers.get(&item.entity).map(|mover| border::affine(&mover.at)),
             false => self.scene.transform(id)?,
         };
-        let shifted =
-            |before: &_| self.shifted.is_some_and(|shift| border::is_shifted(before, &transform, shift));
+        // What hides is moved where it is; the rest is cheaper as a box.
+        let may_hide = || item.key(false, self.meshes, &self.deferred).is_ok();
+        let stays = |before: &_| {
+            border::trembles(before, &transform, item.aabb) && may_hide()
+                || self.shifted.is_some_and(|shift| border::is_shifted(before, &transform, shift))
+        };
         let differs = before != Some(transform);
-        let moved = differs && !before.as_ref().is_some_and(shifted);
+        let moved = differs && !before.as_ref().is_some_and(stays);
         let moves = moved || item.skinned || known.moves && !self.has_rested(item.entity);
-        let key = self.key(item, moves);
+        let key = item.key(moves, self.meshes, &self.deferred).ok();
         let ready = key.and_then(|key| self.ask(key, item));
         let hides = !known.boxed && self.scene.occluder(id)?.is_some();
         let other_box = known.aabb != *item.aabb;
         let keeps_occluder =
-            key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
+            key == known.key && (ready.is_some() == hides || known.refused.is_some() && ready.is_some());
         if moves != known.moves || !keeps_occluder || other_box && !item.skinned {
             take_out(Some(&mut *self.scene), self.changes, id);
-            let patience = if moves && !known.moves { self.patience(known) } else { known.patience };
-            return self.put(item, around, moves, patience).map(Some);
+            return self.put(item, around, moves).map(Some);
         }
-        let layers = layers_of(item);
+        let layers = item.layers();
         let changed = other_box || layers != known.layers;
         if (changed || differs) && (hides || !moves) {
             self.changes.note(border::back(&self.scene.bounds(id)?.aabb()));
@@ -330,7 +368,7 @@ impl Sync<'_> {
         }
         if moves && (moved || differs || other_box) {
             let rests = self.movers.get(&item.entity).filter(|_| !moved).map(|mover| mover.rests);
-            self.note_mover(item, around, rests.unwrap_or_else(|| self.frame.saturating_add(known.patience)));
+            self.note_mover(item, around, rests.unwrap_or_else(|| self.still_from()));
         }
         if layers != known.layers {
             self.scene.set_layers(id, layers)?;
@@ -349,102 +387,45 @@ impl Sync<'_> {
         self.movers.insert(item.entity, Mover { rests, around, at: item.transform.affine() });
     }
 
-    /// For how many frames an entity has to rest that begins to move: who moves often for longer.
-    fn patience(&self, known: &InScene) -> u32 {
-        let first = self.settings.still_after.max(1);
-        let rested = self.frame.saturating_sub(known.since);
-        let again = known.patience.saturating_mul(2).min(MOST_PATIENCE).max(first);
-        if known.is_new || rested > again.saturating_mul(4) { first } else { again }
+    /// The frame from which on an entity counts as still that moved in this one.
+    fn still_from(&self) -> u32 {
+        self.frame.saturating_add(self.settings.still_after)
     }
 
     /// Puts an entity into the scene.
-    fn put(
-        &mut self,
-        item: &ManagedItem,
-        around: (Vec3A, Vec3A),
-        moves: bool,
-        patience: u32,
-    ) -> Result<InScene, Refusal> {
-        let (bounds, layers, at) = (border::aabb(item.aabb), layers_of(item), item.transform.affine());
+    fn put(&mut self, item: &ManagedItem, around: (Vec3A, Vec3A), moves: bool) -> Result<InScene, WhyNot> {
+        let (bounds, layers, at) = (border::aabb(item.aabb), item.layers(), item.transform.affine());
         let desc = if moves { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
         let desc = desc.placed(border::affine(&at));
         // A box along the axes of the world is moved in a third of the time.
         let boxed = ObjectDesc::dynamic(border::placed(item.aabb, &at));
         let common = |desc: ObjectDesc| desc.layers(layers).user_data(item.entity.to_bits());
-        let key = self.key(item, moves);
+        let key = item.key(moves, self.meshes, &self.deferred).ok();
         let mesh = key.and_then(|key| self.ask(key, item));
         // A mesh that reaches out of the box is drawn where that is not looked for.
-        let fits = |mesh: &Arc<TriMesh>| border::holds(&bounds, &mesh.aabb());
-        let hider = mesh.as_ref().filter(|mesh| fits(mesh));
-        let placed =
-            hider.and_then(|mesh| self.scene.insert(common(desc.clone()).occluder(mesh.clone())).ok());
-        let refused = mesh.is_some() && placed.is_none();
+        let placed = mesh.map(|mesh| match border::holds(&bounds, &mesh.aabb()) {
+            true => Ok(self.scene.insert(common(desc.clone()).occluder(mesh))?),
+            false => Err(WhyNot::OutOfBox),
+        });
+        let (placed, refused) = match placed {
+            Some(Err(why)) => (None, Some(Box::new(why))),
+            placed => (placed.and_then(Result::ok), None),
+        };
         let is_boxed = moves && placed.is_none();
         let plain = if is_boxed { boxed } else { desc };
         let id = placed.map_or_else(|| self.scene.insert(common(plain)), Ok)?;
         if moves {
-            self.note_mover(item, around, self.frame.saturating_add(patience));
+            self.note_mover(item, around, self.still_from());
         } else {
             self.movers.remove(&item.entity);
         }
-        if hider.is_some() || !moves {
+        if !is_boxed {
             self.changes.note(around);
         }
-        Ok(InScene {
-            id,
-            moves,
-            boxed: is_boxed,
-            key,
-            refused,
-            layers,
-            aabb: *item.aabb,
-            patience,
-            since: self.frame,
-            is_new: item.known.is_none(),
-        })
-    }
-
-    /// The mesh that an entity hides with, if it does.
-    fn key(&self, item: &ManagedItem, moves: bool) -> Option<Key> {
-        if moves && item.proxy.is_none() {
-            return None;
-        }
-        let determinant = item.transform.affine().matrix3.determinant();
-        let layers = layers_of(item);
-        let for_renderer = |mesh: &Mesh| mesh.asset_usage.contains(RenderAssetUsages::RENDER_WORLD);
-        let hides = !item.not_occluder
-            && !item.skinned
-            && layers::may_hide(layers)
-            && determinant.is_finite()
-            && determinant != 0.0
-            && self.meshes.get(item.mesh.id()).is_some_and(for_renderer);
-        if !hides {
-            return None;
-        }
-        // Whatever is told of an entity: it hides nothing if its material is not drawn.
-        let told = item.proxy.map(|_| Opaque::Both).or(item.opaque.copied());
-        let sides = item.judged.map_or(told, |judged| judged.hides(told, &self.deferred, layers))?;
-        match item.proxy {
-            Some(Occluder(proxy)) => Some(Key { mesh: proxy.id(), sides }),
-            None => Some(Key { mesh: item.mesh.id(), sides }),
-        }
+        Ok(InScene { id, moves, boxed: is_boxed, key, refused, layers, aabb: *item.aabb })
     }
 
     fn ask(&mut self, key: Key, item: &ManagedItem) -> Option<Arc<TriMesh>> {
         self.occluders.ask(key, item.entity, self.meshes, self.settings.most_triangles)
     }
-}
-
-/// Whether an entity cannot be seen where its mesh is hidden.
-fn may_be_hidden(item: &ManagedItem) -> bool {
-    let is_told = item.opaque.is_some() || item.proxy.is_some();
-    // A lamp with a light in it goes on shining where nobody sees it. A class may be there twice.
-    let mesh_alone = |classes: &VisibilityClass| {
-        !classes.is_empty() && classes.iter().all(|class| *class == TypeId::of::<Mesh3d>())
-    };
-    item.classes.is_some_and(mesh_alone) && item.judged.is_none_or(|judged| judged.may_be_hidden(is_told))
-}
-
-fn layers_of(item: &ManagedItem) -> u64 {
-    layers::of_entity(item.layers, !item.visible.get(), !item.not_caster)
 }

@@ -2,17 +2,7 @@
 
 mod common;
 
-use bevy_asset::{Assets, Handle, RenderAssetUsages};
-use bevy_camera::primitives::Aabb;
-use bevy_camera::{Camera, PerspectiveProjection, Projection};
-use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque, casca};
-use bevy_light::{DirectionalLight, PointLight};
-use bevy_math::{Quat, Vec3};
-use bevy_mesh::{Indices, Mesh, Mesh3d, PrimitiveTopology};
-use bevy_transform::components::Transform;
-use common::{
-    CAMERA, Cube, Nr, Pair, done, entity, eye, judge, opaque, settle, spawn_box, spawn_camera, things_behind,
-};
+use common::*;
 
 #[test]
 fn transforms_that_make_no_sense_hide_nothing() {
@@ -88,17 +78,20 @@ fn meshes_that_make_no_sense_hide_nothing() {
     let make = || {
         let nan = square().into_iter().map(|[x, y, _]| [x, y, f32::NAN]).collect();
         [
-            mesh(TriangleList, None, None),
-            mesh(TriangleList, Some(vec![]), Some(vec![])),
-            mesh(TriangleList, Some(square()), Some(vec![0, 1, 2, 0, 2, 9])),
-            mesh(TriangleList, Some(square()), Some(vec![0, 1])),
-            mesh(TriangleList, Some(nan), good()),
-            mesh(LineList, Some(square()), good()),
-            mesh(TriangleStrip, Some(square()), good()),
+            (mesh(TriangleList, None, None), "positions in its mesh cannot be read"),
+            (mesh(TriangleList, Some(vec![]), Some(vec![])), "no triangles"),
+            (mesh(TriangleList, Some(square()), Some(vec![0, 1, 2, 0, 2, 9])), "triangle 1 names vertex 9"),
+            (mesh(TriangleList, Some(square()), Some(vec![0, 1])), "no triangles"),
+            (mesh(TriangleList, Some(nan), good()), "must be finite"),
+            (mesh(LineList, Some(square()), good()), "not a list of triangles"),
+            (mesh(TriangleStrip, Some(square()), good()), "not a list of triangles"),
+            (mesh(TriangleList, Some(square()), Some(vec![0, 1, 2, 0, 2, 3, 0, 1, 2])), "3 triangles"),
         ]
     };
     let mut pair = Pair::new(|world| {
-        let meshes = make().map(|mesh| world.resource_mut::<Assets<Mesh>>().add(mesh));
+        let settings = world.get_resource_mut::<CascaSettings>();
+        settings.into_iter().for_each(|mut settings| settings.most_triangles = 2);
+        let meshes = make().map(|(mesh, _)| world.resource_mut::<Assets<Mesh>>().add(mesh));
         let count = meshes.len() as u32;
         for (nr, mesh) in (0..).zip(meshes) {
             // With bounds of their own, since some have none.
@@ -114,6 +107,11 @@ fn meshes_that_make_no_sense_hide_nothing() {
         assert_eq!(ours, bevys);
     }
     assert_eq!(pair.ours.world().resource::<CascaScene>().occluders(), 0);
+    for (nr, (_, why)) in (0..).zip(make().into_iter().chain(make())) {
+        let found = why_not(&mut pair.ours, nr).unwrap().to_string();
+        assert!(found.contains(why), "{nr}: {found}");
+    }
+    assert_eq!(why_not(&mut pair.ours, 900), Some(WhyNot::NoMesh));
 }
 
 #[test]
@@ -138,7 +136,7 @@ fn cameras_and_lights_that_make_no_sense_cull_as_bevy_does() {
         let strange = places.iter().map(|place| (lens(1.0, 1.0, 0.1), *place));
         for (nr, (lens, place)) in (CAMERA + 1..).zip(cameras.chain(strange)) {
             let camera = Camera { order: nr as isize, ..Default::default() };
-            world.spawn((Nr(nr), bevy_camera::Camera3d::default(), camera, lens, place));
+            world.spawn((Nr(nr), Camera3d::default(), camera, lens, place));
         }
         for (nr, place) in (2_000_000..).zip(&places) {
             let sun = DirectionalLight { shadow_maps_enabled: true, ..Default::default() };
@@ -170,7 +168,8 @@ fn settings_that_make_no_sense_cull_by_frustum() {
     let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
     *settings = CascaSettings { most_new: 0, still_after: u32::MAX, most_triangles: 0, ..Default::default() };
     for nr in 100..105 {
-        pair.frame(|world| done(spawn_box(world, nr, Vec3::ZERO, Vec3::ONE)));
+        pair.frame(|world| done(opaque(world, nr, Vec3::ZERO, Vec3::ONE)));
+        assert_eq!(why_not(&mut pair.ours, nr), Some(WhyNot::Waits));
     }
 }
 

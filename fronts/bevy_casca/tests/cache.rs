@@ -6,11 +6,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use bevy_app::App;
-use bevy_casca::{CascaScene, CascaSettings};
-use bevy_math::Vec3;
-use bevy_transform::components::Transform;
-use common::{CAMERA, headless, lists, opaque, settle, spawn_box, spawn_camera};
+use common::*;
 
 /// A run of a program: a wall with something behind it. Returns how many meshes hide, and how many
 /// entities the camera sees.

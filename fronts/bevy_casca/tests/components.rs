@@ -2,29 +2,8 @@
 
 mod common;
 
-use std::any::TypeId;
-use std::collections::BTreeSet;
-
-use bevy_app::{App, PostUpdate};
-use bevy_asset::{AssetApp, Assets, Handle, RenderAssetUsages};
-use bevy_camera::primitives::Aabb;
-use bevy_camera::visibility::{
-    CascadesVisibleEntities, CubemapVisibleEntities, InheritedVisibility, NoCpuCulling, NoFrustumCulling,
-    RenderLayers, ViewVisibility, Visibility, VisibilityClass, VisibilitySystems, VisibleEntities,
-};
-use bevy_casca::{CascaSettings, MaterialsPlugin, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
-use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::prelude::*;
-use bevy_image::Image;
-use bevy_light::cluster::ClusterVisibilityClass;
-use bevy_light::{DirectionalLight, NotShadowCaster, PointLight};
-use bevy_math::{Affine3A, DAffine3, DVec3, Vec3};
-use bevy_mesh::{Mesh, Mesh3d};
-use bevy_shape::Cuboid;
-use bevy_transform::components::{GlobalTransform, Transform};
-use common::{
-    CAMERA, Cube, Nr, Paint, Painted, entity, headless, paint_rule, settle, spawn_box, spawn_camera,
-};
+use bevy_math::{DAffine3, DMat3, DVec3};
+use common::*;
 
 const SUN: u32 = 1_000_001;
 const LAMP: u32 = 1_000_002;
@@ -97,7 +76,7 @@ fn picture(usage: RenderAssetUsages) -> Image {
 fn world_of_boxes(seed: u64) -> App {
     let mut app = headless(true);
     app.world_mut().register_disabling_component::<Asleep>();
-    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<Painted>::new(paint_rule));
+    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<MeshMaterial3d<Paint>>::new(paint_rule));
     app.add_systems(
         PostUpdate,
         late.after(VisibilitySystems::CalculateBounds)
@@ -113,26 +92,21 @@ fn world_of_boxes(seed: u64) -> App {
     let never = images.reserve_handle();
     let unseen = images.add(picture(RenderAssetUsages::MAIN_WORLD));
     let there = images.reserve_handle();
-    let paint = |glass, in_front, picture| Paint { glass, in_front, picture };
+    let plain = [(false, false), (true, false), (false, true)].map(|look| (look, None));
+    let pictured = [there.clone(), never, unseen].map(|picture| ((false, false), Some(picture)));
+    let mut paints = world.resource_mut::<Assets<Paint>>();
+    let add = |((glass, in_front), picture)| paints.add(Paint { glass, in_front, picture });
+    let paints = plain.into_iter().chain(pictured).map(add).collect();
     let stock = Stock {
         meshes: vec![world.resource::<Cube>().0.clone(), aside, Handle::default()],
-        paints: [
-            paint(false, false, None),
-            paint(true, false, None),
-            paint(false, true, None),
-            paint(false, false, Some(there.clone())),
-            paint(false, false, Some(never)),
-            paint(false, false, Some(unseen)),
-        ]
-        .map(|paint| world.resource_mut::<Assets<Paint>>().add(paint))
-        .to_vec(),
+        paints,
         picture: (there, None),
     };
     let mut dice = Dice(seed);
     for nr in 0..BOXES {
         let place = dice.place(nr);
         let entity = spawn_box(world, nr, place.translation, place.scale);
-        world.entity_mut(entity).insert(Painted(stock.paints[0].clone()));
+        world.entity_mut(entity).insert(MeshMaterial3d(stock.paints[0].clone()));
     }
     for nr in PARENTS {
         world.spawn((Nr(nr), Transform::default(), Visibility::default()));
@@ -187,8 +161,8 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
         4 => put(&mut thing, coin.then_some(Disabled)),
         5 => put(&mut thing, coin.then_some(Asleep)),
         6 => put(&mut thing, coin.then(|| Mesh3d(stock.meshes[three].clone()))),
-        7 => put(&mut thing, coin.then(|| Painted(stock.paints[0].clone()))),
-        8 | 9 => put(&mut thing, Some(Painted(stock.paints[dice.below(6) as usize].clone()))),
+        7 => put(&mut thing, coin.then(|| MeshMaterial3d(stock.paints[0].clone()))),
+        8 | 9 => put(&mut thing, Some(MeshMaterial3d(stock.paints[dice.below(6) as usize].clone()))),
         10 => {
             let sets: [&[usize]; 3] = [&[0], &[1], &[0, 40]];
             put(&mut thing, (dice.below(4) > 0).then(|| RenderLayers::from_layers(sets[three])));
@@ -213,7 +187,7 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
 
 /// A new box in the place of one, with all that it needs.
 fn mend(world: &mut World, id: Entity, nr: u32, dice: &mut Dice) {
-    let paint = Painted(world.resource::<Stock>().paints[0].clone());
+    let paint = MeshMaterial3d(world.resource::<Stock>().paints[0].clone());
     let place = dice.place(nr);
     if nr.is_multiple_of(3) {
         world.despawn(id);
@@ -284,7 +258,7 @@ type Parts = (
     &'static InheritedVisibility,
     Option<&'static VisibilityClass>,
     Option<&'static RenderLayers>,
-    &'static Painted,
+    &'static MeshMaterial3d<Paint>,
     (Has<NotShadowCaster>, Has<NoCpuCulling>, Has<Opaque>, Has<Occluder>),
 );
 
@@ -312,7 +286,7 @@ fn drawn(world: &mut World, frame: u32) -> Vec<Drawn> {
         let axes = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
         let size = DVec3::from_array(axes.map(|axis| f64::from(axis.length())));
         let turned = axes.map(|axis| Vec3::from(axis.normalize_or_zero()).as_dvec3());
-        let turned = bevy_math::DMat3::from_cols(turned[0], turned[1], turned[2]);
+        let turned = DMat3::from_cols(turned[0], turned[1], turned[2]);
         let middle = Vec3::from(place.translation).as_dvec3();
         let is_mesh = classes.is_some_and(|classes| classes.contains(&TypeId::of::<Mesh3d>()));
         let mut paint = paints[paint].clone();

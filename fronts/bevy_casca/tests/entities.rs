@@ -2,33 +2,7 @@
 
 mod common;
 
-use std::any::TypeId;
-use std::collections::BTreeSet;
-
-use bevy_app::App;
-use bevy_asset::{Assets, RenderAssetUsages};
-use bevy_camera::primitives::{Aabb, Sphere};
-use bevy_camera::visibility::{
-    DynamicSkinnedMeshBounds, InheritedVisibility, NoAutoAabb, NoCpuCulling, NoFrustumCulling, RenderLayers,
-    ViewVisibility, Visibility, VisibilityClass, VisibilityRange, VisibleEntities,
-};
-use bevy_camera::{
-    Camera, OrthographicProjection, PerspectiveProjection, Projection, ScalingMode, SubCameraView,
-};
-use bevy_casca::{CascaScene, InScene, NoOcclusionCulling, NotOccluder, Opaque};
-use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::prelude::*;
-use bevy_light::{NotShadowCaster, PointLight};
-use bevy_math::{UVec2, Vec2, Vec3};
-use bevy_mesh::morph::MorphWeights;
-use bevy_mesh::skinning::SkinnedMesh;
-use bevy_mesh::{Indices, Mesh, Mesh3d};
-use bevy_shape::Cuboid;
-use bevy_transform::components::{GlobalTransform, Transform};
-use common::{
-    CAMERA, Changes, Cube, Lists, Nr, Pair, done, entity, headless, lists, on, opaque, settle, spawn_box,
-    things_behind,
-};
+use common::*;
 
 const WALL: u32 = 0;
 
@@ -70,41 +44,99 @@ fn small_box() -> (NoAutoAabb, Aabb) {
 
 #[test]
 fn who_hides() {
-    // What is changed on the wall, and how much it hides at once and after a rest.
-    let cases: &[(&str, Change, usize, usize)] = &[
-        ("an opaque wall", |_| {}, 50, 50),
-        ("one that is disabled", |wall| done(wall.insert(Disabled)), 0, 0),
-        ("one that the program disables", |wall| done(wall.insert(Asleep)), 0, 0),
-        ("without InheritedVisibility", |wall| done(wall.remove::<InheritedVisibility>()), 0, 0),
-        ("without ViewVisibility", |wall| done(wall.remove::<ViewVisibility>()), 0, 0),
-        ("without Visibility", |wall| done(wall.remove::<Visibility>()), 0, 0),
-        ("without GlobalTransform", |wall| done(wall.remove::<GlobalTransform>()), 0, 0),
-        ("without Mesh3d", |wall| done(wall.remove::<Mesh3d>()), 0, 0),
-        ("without its mesh", |wall| done(wall.insert(Mesh3d::default())), 0, 0),
-        ("one of unknown material", |wall| done(wall.remove::<Opaque>()), 0, 0),
-        ("one that is told not to hide", |wall| done(wall.insert(NotOccluder)), 0, 0),
-        ("one with an opinion of its own", |wall| done(wall.insert(NoOcclusionCulling)), 0, 0),
-        ("one that is not drawn", |wall| done(wall.insert(Visibility::Hidden)), 0, 0),
-        ("one on another layer", |wall| done(wall.insert(RenderLayers::layer(2))), 0, 0),
-        ("one on a layer without a bit", |wall| done(wall.insert(RenderLayers::from_layers(&[0, 40]))), 0, 0),
-        ("one on more layers", |wall| done(wall.insert(RenderLayers::from_layers(&[0, 7]))), 50, 50),
-        ("one that casts no shadow", |wall| done(wall.insert(NotShadowCaster)), 50, 50),
-        ("one that is never culled", |wall| done(wall.insert(NoFrustumCulling)), 0, 0),
-        ("one that the graphics processor culls", |wall| done(wall.insert(NoCpuCulling)), 0, 0),
-        ("one that is seen from afar", |wall| done(wall.insert(VisibilityRange::abrupt(5.0, 1e9))), 0, 0),
-        ("one that is skinned", |wall| done(wall.insert(SkinnedMesh::default())), 0, 0),
-        ("one that reaches out of its box", |wall| done(wall.insert(small_box())), 0, 0),
-        ("one that morphs", |wall| done(wall.insert(MorphWeights::default())), 0, 0),
-        ("one that moves", |wall| wall.get_mut::<Transform>().unwrap().translation.x += 0.5, 0, 50),
-        ("a mirrored one of which fronts are drawn", mirror, 0, 0),
-        ("one of which both sides are drawn", |wall| mirror(wall.insert(Opaque::Both)), 0, 50),
+    // What is changed on the wall, how much it hides at once, and why it hides nothing after a rest.
+    let cases: &[(&str, Change, usize, &str)] = &[
+        ("an opaque wall", |_| {}, 50, ""),
+        ("one that is disabled", |wall| done(wall.insert(Disabled)), 0, "disables"),
+        ("one that the program disables", |wall| done(wall.insert(Asleep)), 0, "disables"),
+        ("not inherited", |wall| done(wall.remove::<InheritedVisibility>()), 0, "no InheritedVisibility"),
+        ("without ViewVisibility", |wall| done(wall.remove::<ViewVisibility>()), 0, "no ViewVisibility"),
+        ("without Visibility", |wall| done(wall.remove::<Visibility>()), 0, "no Visibility"),
+        ("without GlobalTransform", |wall| done(wall.remove::<GlobalTransform>()), 0, "no GlobalTransform"),
+        ("without Mesh3d", |wall| done(wall.remove::<Mesh3d>()), 0, "no Mesh3d"),
+        ("without Aabb", |wall| done(wall.insert(NoAutoAabb).remove::<Aabb>()), 0, "no Aabb"),
+        ("without its mesh", |wall| done(wall.insert(Mesh3d::default())), 0, "its mesh is not there"),
+        ("of unknown material", |wall| done(wall.remove::<Opaque>()), 0, "nothing says that it is opaque"),
+        ("one that is told not to hide", |wall| done(wall.insert(NotOccluder)), 0, "it has NotOccluder"),
+        ("of its own opinion", |wall| done(wall.insert(NoOcclusionCulling)), 0, "it has NoOcclusionCulling"),
+        ("one that is not drawn", |wall| done(wall.insert(Visibility::Hidden)), 0, "not visible"),
+        ("one on another layer", |wall| done(wall.insert(RenderLayers::layer(2))), 0, ""),
+        ("on a far layer", |wall| done(wall.insert(RenderLayers::from_layers(&[0, 40]))), 0, "render layer"),
+        ("one on more layers", |wall| done(wall.insert(RenderLayers::from_layers(&[0, 7]))), 50, ""),
+        ("one that casts no shadow", |wall| done(wall.insert(NotShadowCaster)), 50, ""),
+        ("one that is never culled", |wall| done(wall.insert(NoFrustumCulling)), 0, "NoFrustumCulling"),
+        ("one that the graphics processor culls", |wall| done(wall.insert(NoCpuCulling)), 0, "NoCpuCulling"),
+        ("seen from afar", |wall| done(wall.insert(VisibilityRange::abrupt(5.0, 1e9))), 0, "VisibilityRange"),
+        ("one that is skinned", |wall| done(wall.insert(SkinnedMesh::default())), 0, "it has SkinnedMesh"),
+        ("one that reaches out of its box", |wall| done(wall.insert(small_box())), 0, "out of its Aabb"),
+        ("one that morphs", |wall| done(wall.insert(MorphWeights::default())), 0, "it has MorphWeights"),
+        ("one with a lamp in it", |wall| done(wall.insert(PointLight::default())), 0, "before nearer things"),
+        ("one that is flat", |wall| wall.get_mut::<Transform>().unwrap().scale.y = 0.0, 0, "flat"),
+        ("one that moves", |wall| wall.get_mut::<Transform>().unwrap().translation.x += 0.5, 0, ""),
+        ("a mirrored one of which fronts are drawn", mirror, 0, "mirror"),
+        ("one of which both sides are drawn", |wall| mirror(wall.insert(Opaque::Both)), 0, ""),
     ];
-    for (what, change, at_once, later) in cases {
+    for (what, change, at_once, why) in cases {
         let mut pair = Pair::new(stage);
         assert_eq!(hidden(&rest(&mut pair)), 50);
+        let wall = entity(pair.ours.world_mut(), WALL);
+        assert_eq!(CascaScene::all_why_not(pair.ours.world()).count(), 50, "only the wall hides");
         let found = pair.frame(|world| on(world, WALL, change));
         assert_eq!(hidden(&found), *at_once, "{what}, at once");
-        assert_eq!(hidden(&rest(&mut pair)), *later, "{what}, later");
+        let later = hidden(&rest(&mut pair));
+        let found = CascaScene::why_not(pair.ours.world(), wall).map(|why| why.to_string());
+        assert_eq!(found.is_none(), why.is_empty(), "{what}: {found:?}");
+        assert!(found.unwrap_or_default().contains(why), "{what}");
+        assert_eq!(later > 0, why.is_empty() && *what != "one on another layer", "{what}, later");
+    }
+    let mut pair = Pair::new(stage);
+    pair.ours.world_mut().resource_mut::<CascaSettings>().enabled = false;
+    assert_eq!(why_not(&mut pair.ours, WALL), Some(WhyNot::Off));
+}
+
+#[test]
+fn what_moves_as_one_hides_as_one_after_some_frames() {
+    const HULL: u32 = 60;
+    let mut pair = Pair::new(|world| {
+        things_behind(world, 1);
+        let hull = world.spawn((Nr(HULL), Transform::default(), Visibility::default())).id();
+        for (nr, x) in [(WALL, -10.0), (51, 10.0)] {
+            let part = opaque(world, nr, Vec3::new(x, 0.0, 0.0), Vec3::new(20.0, 30.0, 1.0));
+            world.entity_mut(part).insert(ChildOf(hull));
+        }
+    });
+    assert_eq!(hidden(&rest(&mut pair)), 50);
+    let hull = |hull: &mut EntityWorldMut| hull.get_mut::<Transform>().unwrap().translation.y += 0.5;
+    for _ in 0..3 {
+        for _ in 0..5 {
+            assert_eq!(hidden(&pair.frame(|world| on(world, HULL, hull))), 0);
+        }
+        for frames in (1..8).rev() {
+            assert_eq!(hidden(&pair.frame(|_| {})), 0);
+            assert_eq!(why_not(&mut pair.ours, WALL), Some(WhyNot::Moves(frames)));
+        }
+        assert_eq!(hidden(&pair.frame(|_| {})), 50);
+    }
+}
+
+#[test]
+fn a_wall_that_trembles_hides_where_it_is() {
+    let mut pair = Pair::new(stage);
+    for frame in 0..60 {
+        let found = pair.frame(|world| {
+            on(world, WALL, |wall| {
+                let mut at = wall.get_mut::<Transform>().unwrap();
+                at.translation.x = 0.5 + 1e-3 * dice(frame);
+                at.rotation = Quat::from_rotation_y(4e-5 * dice(frame + 100));
+            });
+        });
+        assert_eq!(hidden(&found), if frame < 8 { 0 } else { 50 }, "frame {frame}");
+        let world = pair.ours.world_mut();
+        let wall = entity(world, WALL);
+        let id = world.get::<InScene>(wall).unwrap().id();
+        let known = world.resource::<CascaScene>().scene().unwrap().transform(id).unwrap();
+        let place = world.get::<GlobalTransform>(wall).unwrap().affine().to_cols_array();
+        assert_eq!(known.map(|at| at.to_cols_array()), (frame >= 8).then_some(place), "frame {frame}");
     }
 }
 
@@ -129,15 +161,18 @@ fn a_wall_that_is_drawn_again_hides_again() {
         (|wall| done(wall.remove::<VisibilityClass>()), &class),
         (|wall| done(wall.insert(VisibilityClass::default())), &class),
     ];
-    for (nr, (take, give)) in cases.into_iter().enumerate() {
+    let list = |app: &App| app.world().get::<VisibleEntities>(camera).unwrap().clone();
+    let times = [0, 1, 12].into_iter().flat_map(|pause| cases.iter().map(move |case| (pause, case)));
+    for (nr, (pause, (take, give))) in times.enumerate() {
         take(&mut app.world_mut().entity_mut(wall));
-        app.update();
-        let list = |app: &App| app.world().get::<VisibleEntities>(camera).unwrap().clone();
-        assert!(list(&app).len(TypeId::of::<Mesh3d>()) >= 50, "case {nr}");
+        for _ in 0..pause {
+            app.update();
+            assert!(list(&app).len(TypeId::of::<Mesh3d>()) >= 50, "case {nr}");
+        }
         give(&mut app.world_mut().entity_mut(wall));
         settle(&mut app);
         let seen: BTreeSet<_> = list(&app).get(TypeId::of::<Mesh3d>()).iter().copied().collect();
-        assert_eq!(seen, BTreeSet::from([wall]), "case {nr}");
+        assert_eq!(seen, BTreeSet::from([wall]), "case {nr}, after {pause} frames");
     }
 }
 
@@ -171,21 +206,31 @@ fn meshes_that_change_or_go_hide_as_they_are() {
 }
 
 #[test]
-fn meshes_that_only_the_renderer_keeps_hide_whenever_they_are_used() {
-    let mut app = headless(true);
-    let mut mesh = Mesh::from(Cuboid::new(1.0, 1.0, 1.0));
-    mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
-    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
-    app.update();
-    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
-    meshes.get_mut_untracked(&mesh).unwrap().take_gpu_data().unwrap();
-    stage(app.world_mut());
-    for sides in [Opaque::Front, Opaque::Both] {
-        on(app.world_mut(), WALL, |wall| done(wall.insert((Mesh3d(mesh.clone()), sides))));
-        settle(&mut app);
-        assert_eq!(lists(&mut app)[&CAMERA], BTreeSet::from([WALL]), "{sides:?}");
+fn meshes_hide_however_they_are_stored() {
+    let (both, renderer) = (RenderAssetUsages::default(), RenderAssetUsages::RENDER_WORLD);
+    for (usage, packed) in [(renderer, false), (both, true), (renderer, true)] {
+        let mut app = headless(true);
+        let mut mesh = Mesh::from(Cuboid::new(1.0, 1.0, 1.0)).translated_by(Vec3::X * 0.2);
+        if packed {
+            mesh.compress_positions().unwrap();
+        }
+        mesh.asset_usage = usage;
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        app.update();
+        if !packed {
+            let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+            meshes.get_mut_untracked(&mesh).unwrap().take_gpu_data().unwrap();
+        }
+        stage(app.world_mut());
+        for sides in [Opaque::Front, Opaque::Both] {
+            on(app.world_mut(), WALL, |wall| done(wall.insert((Mesh3d(mesh.clone()), sides))));
+            settle(&mut app);
+            // Bevy draws it as a point.
+            let why = (packed && usage == renderer).then_some(WhyNot::Positions);
+            assert_eq!(lists(&mut app)[&CAMERA].len(), if why.is_some() { 51 } else { 1 }, "{sides:?}");
+            assert_eq!(why_not(&mut app, WALL), why);
+        }
     }
-    assert_eq!(app.world().resource::<CascaScene>().unreadable(), 0);
 }
 
 #[test]
@@ -242,7 +287,7 @@ fn kinds_of_cameras() {
     let wide = || Projection::Perspective(wide.clone());
     let mut pair = Pair::new(|world| {
         stage(world);
-        let camera = bevy_camera::Camera3d::default;
+        let camera = Camera3d::default;
         let active = |is_active| Camera { is_active, ..Default::default() };
         world.spawn((Nr(CAMERA + 1), camera(), lens(12.0), place));
         world.spawn((Nr(CAMERA + 2), camera(), wide(), place, NoCpuCulling));

@@ -2,24 +2,9 @@
 
 mod common;
 
-use std::collections::BTreeMap;
-
-use bevy_app::App;
-use bevy_camera::primitives::CUBE_MAP_FACES;
-use bevy_camera::visibility::RenderLayers;
-use bevy_casca::casca::glam;
-use bevy_casca::{CascaSettings, Shadows};
-use bevy_ecs::prelude::*;
-use bevy_light::{
-    Cascades, DirectionalLight, NotShadowCaster, PointLight, SpotLight, spot_light_world_from_view,
-};
-use bevy_math::{Affine3A, Mat4, Quat, Vec3};
-use bevy_transform::components::{GlobalTransform, Transform};
 use casca_scenes::world::Camera;
 use casca_truth::oracle::{Oracle, OracleOptions};
-use common::{
-    CAMERA, Nr, Pair, View, dice, done, entity, light_lists, opaque, spawn_box, spawn_camera, truth,
-};
+use common::*;
 use glam::camera::rh::proj::directx;
 
 const SUN: u32 = 1_000_001;

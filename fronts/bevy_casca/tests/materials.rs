@@ -2,83 +2,74 @@
 
 mod common;
 
-use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, Assets, Handle, RenderAssetUsages};
-use bevy_casca::{CascaDiagnostics, MaterialsPlugin, Opaque};
 use bevy_diagnostic::DiagnosticsStore;
-use bevy_ecs::entity_disabling::Disabled;
-use bevy_ecs::prelude::*;
-use bevy_image::Image;
-use bevy_math::Vec3;
-use bevy_reflect::{Reflect, TypePath};
-use bevy_transform::components::Transform;
-use common::{
-    CAMERA, Paint, Painted, done, entity, headless, lists, on, paint_rule, settle, spawn_box, spawn_camera,
-    things_behind,
-};
+use common::*;
 
 #[test]
 fn a_material_decides_who_hides_and_who_is_never_hidden() {
     let mut app = headless(true);
-    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<Painted>::new(paint_rule));
+    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<MeshMaterial3d<Paint>>::new(paint_rule));
     let world = app.world_mut();
     let mut add = |paint| world.resource_mut::<Assets<Paint>>().add(paint);
     let wall = add(Paint::default());
     let glass = add(Paint { glass: true, ..Paint::default() });
     let in_front = add(Paint { in_front: true, ..Paint::default() });
     let entity_of_wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
-    world.entity_mut(entity_of_wall).insert(Painted(wall.clone()));
+    world.entity_mut(entity_of_wall).insert(MeshMaterial3d(wall.clone()));
     things_behind(world, 1);
     for nr in 1..51 {
         let paint = [&glass, &in_front][usize::from(nr < 6)];
-        on(world, nr, |thing| done(thing.insert(Painted(paint.clone()))));
+        on(world, nr, |thing| done(thing.insert(MeshMaterial3d(paint.clone()))));
     }
-    let seen = |app: &mut bevy_app::App| {
+    let seen = |app: &mut App| {
         app.update();
         lists(app)[&CAMERA].len()
     };
     settle(&mut app);
     assert_eq!(seen(&mut app), 6, "the wall, and five that are drawn in front of it");
-    let measured = |app: &bevy_app::App, path| {
+    let measured = |app: &App, path| {
         app.world().resource::<DiagnosticsStore>().get(&path).and_then(|found| found.value()).unwrap()
     };
-    assert_eq!(measured(&app, CascaDiagnostics::ENTITIES), 46.0);
-    assert_eq!(measured(&app, CascaDiagnostics::VISIBLE), 1.0);
-    assert_eq!(measured(&app, CascaDiagnostics::CULLED), 45.0);
-    assert_eq!(measured(&app, CascaDiagnostics::OCCLUDERS), 1.0);
-    assert_eq!(measured(&app, CascaDiagnostics::CASTERS), 0.0);
-    assert!(measured(&app, CascaDiagnostics::TIME) > 0.0);
+    use CascaDiagnostics as Of;
+    let counts = [Of::ENTITIES, Of::VISIBLE, Of::CULLED, Of::OCCLUDERS, Of::CASTERS];
+    assert_eq!(counts.map(|path| measured(&app, path)), [46.0, 1.0, 45.0, 1.0, 0.0]);
+    assert!(measured(&app, Of::TIME) > 0.0);
 
-    let set_glass = |app: &mut bevy_app::App, glass| {
+    let set_glass = |app: &mut App, glass| {
         let mut paints = app.world_mut().resource_mut::<Assets<Paint>>();
         paints.get_mut(&wall).unwrap().glass = glass;
     };
     set_glass(&mut app, true);
     assert_eq!(seen(&mut app), 51, "glass hides nothing, from the same frame on");
+    assert_eq!(why_not(&mut app, 0), Some(WhyNot::NotOpaque));
+    assert_eq!(why_not(&mut app, 3), Some(WhyNot::InFront));
     set_glass(&mut app, false);
     assert_eq!(seen(&mut app), 6);
     // Another material in the same place.
-    app.world_mut().get_mut::<Painted>(entity_of_wall).unwrap().0 = glass.clone();
+    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(entity_of_wall).unwrap().0 = glass.clone();
     assert_eq!(seen(&mut app), 51);
-    app.world_mut().get_mut::<Painted>(entity_of_wall).unwrap().0 = wall.clone();
+    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(entity_of_wall).unwrap().0 = wall.clone();
     assert_eq!(seen(&mut app), 6);
-    app.world_mut().entity_mut(entity_of_wall).remove::<Painted>();
+    app.world_mut().entity_mut(entity_of_wall).remove::<MeshMaterial3d<Paint>>();
     assert_eq!(seen(&mut app), 51);
-    app.world_mut().entity_mut(entity_of_wall).insert(Painted(wall.clone()));
+    app.world_mut().entity_mut(entity_of_wall).insert(MeshMaterial3d(wall.clone()));
     assert_eq!(seen(&mut app), 6);
     app.world_mut().resource_mut::<Assets<Paint>>().remove(&wall);
     assert_eq!(seen(&mut app), 51, "without its material it is not drawn");
+    assert_eq!(why_not(&mut app, 0), Some(WhyNot::NoMaterial));
     app.world_mut().entity_mut(entity_of_wall).insert(Opaque::Front);
     assert_eq!(seen(&mut app), 51, "whatever is told of it");
-    app.world_mut().get_mut::<Painted>(entity_of_wall).unwrap().0 = glass.clone();
+    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(entity_of_wall).unwrap().0 = glass.clone();
     assert_eq!(seen(&mut app), 6, "it is told to be opaque");
     // No longer drawn in front.
     let thing = entity(app.world_mut(), 3);
-    app.world_mut().get_mut::<Painted>(thing).unwrap().0 = glass;
+    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(thing).unwrap().0 = glass;
     assert_eq!(seen(&mut app), 5);
 }
 
 /// As much of `bevy_pbr` as the rule for its material asks for.
 mod pbr {
+    pub use super::common::MeshMaterial3d;
     use super::*;
 
     #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -156,20 +147,6 @@ mod pbr {
             }
         }
     }
-
-    /// Named as Bevy names its own.
-    #[derive(Component, Reflect, Clone)]
-    #[reflect(Component)]
-    #[type_path = "bevy_pbr::mesh_material"]
-    pub struct MeshMaterial3d<M: Asset>(pub Handle<M>);
-
-    impl<M: Asset> AsAssetId for MeshMaterial3d<M> {
-        type Asset = M;
-
-        fn as_asset_id(&self) -> AssetId<M> {
-            self.0.id()
-        }
-    }
 }
 
 #[test]
@@ -198,7 +175,7 @@ fn standard_materials_hide_if_they_are_opaque_from_the_sides_that_are_drawn() {
 }
 
 /// An app with a wall of a material, and a thing behind it.
-fn walled(material: pbr::StandardMaterial) -> bevy_app::App {
+fn walled(material: pbr::StandardMaterial) -> App {
     let mut app = headless(true);
     app.init_asset::<pbr::StandardMaterial>().register_type::<pbr::MeshMaterial3d<Paint>>();
     app.init_asset::<Paint>().init_asset::<pbr::decal::ForwardDecalMaterial<pbr::StandardMaterial>>();
@@ -218,7 +195,7 @@ fn walled(material: pbr::StandardMaterial) -> bevy_app::App {
 struct DeferredPrepass;
 
 /// Whether the wall hides the thing behind it in the next frame.
-fn hides(app: &mut bevy_app::App) -> bool {
+fn hides(app: &mut App) -> bool {
     app.update();
     !lists(app)[&CAMERA].contains(&1)
 }
@@ -234,7 +211,7 @@ fn a_material_hides_when_the_renderer_has_what_it_needs() {
     let mut app = walled(Default::default());
     assert!(hides(&mut app));
     let handle = app.world().resource::<Assets<Image>>().reserve_handle();
-    let set = |app: &mut bevy_app::App, material: pbr::StandardMaterial| {
+    let set = |app: &mut App, material: pbr::StandardMaterial| {
         let wall = entity(app.world_mut(), 0);
         let id = app.world().get::<pbr::MeshMaterial3d<pbr::StandardMaterial>>(wall).unwrap().0.id();
         let mut all = app.world_mut().resource_mut::<Assets<pbr::StandardMaterial>>();
@@ -244,14 +221,15 @@ fn a_material_hides_when_the_renderer_has_what_it_needs() {
     let wall = entity(app.world_mut(), 0);
     for frame in 0..10 {
         assert!(!hides(&mut app), "frame {frame}");
+        assert_eq!(why_not(&mut app, 0), Some(WhyNot::Textures));
         if frame == 5 {
-            let cube = app.world().resource::<common::Cube>().0.clone();
-            app.world_mut().entity_mut(wall).insert((Opaque::Both, bevy_casca::Occluder(cube)));
+            let cube = app.world().resource::<Cube>().0.clone();
+            app.world_mut().entity_mut(wall).insert((Opaque::Both, Occluder(cube)));
         }
     }
-    app.world_mut().entity_mut(wall).remove::<(Opaque, bevy_casca::Occluder)>();
+    app.world_mut().entity_mut(wall).remove::<(Opaque, Occluder)>();
     // It comes, but not for the renderer.
-    let insert = |app: &mut bevy_app::App, usage| {
+    let insert = |app: &mut App, usage| {
         let mut images = app.world_mut().resource_mut::<Assets<Image>>();
         images.insert(&handle, picture(usage)).unwrap();
     };
@@ -278,7 +256,7 @@ fn a_material_hides_when_the_renderer_has_what_it_needs() {
 fn deferred_materials_hide_where_all_cameras_draw_them() {
     use pbr::{DefaultOpaqueRendererMethod, OpaqueRendererMethod, StandardMaterial};
     let by = |method| StandardMaterial { opaque_render_method: method, ..Default::default() };
-    let camera = |app: &mut bevy_app::App| entity(app.world_mut(), CAMERA);
+    let camera = |app: &mut App| entity(app.world_mut(), CAMERA);
     let mut app = walled(by(OpaqueRendererMethod::Forward));
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     assert!(hides(&mut app));
@@ -301,8 +279,9 @@ fn deferred_materials_hide_where_all_cameras_draw_them() {
     assert!(hides(&mut app));
     spawn_camera(app.world_mut(), CAMERA + 1, Transform::default());
     assert!(!hides(&mut app), "a camera does not draw it");
+    assert_eq!(why_not(&mut app, 0), Some(WhyNot::Deferred));
     let other = entity(app.world_mut(), CAMERA + 1);
-    app.world_mut().entity_mut(other).insert(bevy_camera::visibility::RenderLayers::layer(3));
+    app.world_mut().entity_mut(other).insert(RenderLayers::layer(3));
     assert!(hides(&mut app), "it looks at other things");
     app.world_mut().entity_mut(id).remove::<DeferredPrepass>();
     assert!(!hides(&mut app));
@@ -316,23 +295,17 @@ fn what_is_drawn_through_walls_is_never_hidden() {
     let mut app = walled(StandardMaterial::default());
     assert!(hides(&mut app));
     let thing = entity(app.world_mut(), 1);
+    fn without<C: Component>(thing: &mut EntityWorldMut) {
+        thing.remove::<C>();
+    }
     let cases: [(Change, Change); 6] = [
-        (
-            |thing| done(thing.insert(decal::ForwardDecal)),
-            |thing| done(thing.remove::<decal::ForwardDecal>()),
-        ),
-        (
-            |thing| done(thing.insert(wireframe::Wireframe)),
-            |thing| done(thing.remove::<wireframe::Wireframe>()),
-        ),
-        (
-            |thing| done(thing.insert(wireframe::Mesh3dWireframe)),
-            |thing| done(thing.remove::<wireframe::Mesh3dWireframe>()),
-        ),
+        (|thing| done(thing.insert(decal::ForwardDecal)), without::<decal::ForwardDecal>),
+        (|thing| done(thing.insert(wireframe::Wireframe)), without::<wireframe::Wireframe>),
+        (|thing| done(thing.insert(wireframe::Mesh3dWireframe)), without::<wireframe::Mesh3dWireframe>),
         // While it is disabled nobody sees what it becomes.
         (
             |thing| done(thing.insert((Disabled, decal::ForwardDecal)).remove::<Disabled>()),
-            |thing| done(thing.remove::<decal::ForwardDecal>()),
+            without::<decal::ForwardDecal>,
         ),
         // A material for which there is no rule, unless the thing says by itself what it is.
         (
@@ -341,12 +314,14 @@ fn what_is_drawn_through_walls_is_never_hidden() {
         ),
         (
             |thing| done(thing.insert(MeshMaterial3d::<Decal>(Handle::default()))),
-            |thing| done(thing.remove::<MeshMaterial3d<Decal>>()),
+            without::<MeshMaterial3d<Decal>>,
         ),
     ];
     for (nr, (put, take)) in cases.into_iter().enumerate() {
         put(&mut app.world_mut().entity_mut(thing));
         assert!(!hides(&mut app) && !hides(&mut app), "case {nr}");
+        let why = if nr == 4 { WhyNot::NoRule } else { WhyNot::InFront };
+        assert!(nr == 5 || why_not(&mut app, 1) == Some(why), "case {nr}");
         take(&mut app.world_mut().entity_mut(thing));
         assert!(hides(&mut app) || hides(&mut app), "case {nr}");
     }

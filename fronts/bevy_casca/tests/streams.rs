@@ -2,18 +2,8 @@
 
 mod common;
 
-use std::collections::BTreeSet;
-
-use bevy_app::PostUpdate;
-use bevy_camera::primitives::Aabb;
-use bevy_camera::visibility::VisibilitySystems;
-use bevy_casca::{CascaScene, CascaSettings, CascaSystems, InScene};
-use bevy_ecs::prelude::*;
-use bevy_math::Vec3;
-use bevy_mesh::Mesh3d;
 use bevy_transform::TransformSystems;
-use bevy_transform::components::{GlobalTransform, Transform};
-use common::{CAMERA, Nr, Pair, entity, eye, judge, opaque, spawn_box, spawn_camera};
+use common::*;
 
 const PAGE: u32 = 1000;
 
@@ -81,7 +71,7 @@ struct Gone;
 
 #[test]
 fn who_goes_while_it_is_taken_over_hides_nothing() {
-    let mut app = common::headless(true);
+    let mut app = headless(true);
     // A system that runs beside the plugin's, and takes its time to say who is gone.
     let late = |mut commands: Commands, gone: Query<Entity, With<Gone>>| {
         gone.iter().for_each(|entity| commands.entity(entity).despawn());
@@ -98,16 +88,16 @@ fn who_goes_while_it_is_taken_over_hides_nothing() {
     };
     // The mesh is prepared.
     let first = wall(world);
-    common::settle(&mut app);
-    assert!(!common::lists(&mut app)[&CAMERA].contains(&1));
+    settle(&mut app);
+    assert!(!lists(&mut app)[&CAMERA].contains(&1));
     app.world_mut().despawn(first);
     app.update();
-    assert!(common::lists(&mut app)[&CAMERA].contains(&1));
+    assert!(lists(&mut app)[&CAMERA].contains(&1));
     for frame in 0..3 {
         let second = wall(app.world_mut());
         app.world_mut().entity_mut(second).insert(Gone);
         app.update();
-        assert!(common::lists(&mut app)[&CAMERA].contains(&1), "frame {frame}");
+        assert!(lists(&mut app)[&CAMERA].contains(&1), "frame {frame}");
         assert_eq!(app.world().resource::<CascaScene>().scene().unwrap().len(), 1, "frame {frame}");
     }
 }

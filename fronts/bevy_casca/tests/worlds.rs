@@ -2,13 +2,7 @@
 
 mod common;
 
-use bevy_asset::Handle;
-use bevy_casca::{CascaScene, InScene, Occluder, casca};
-use bevy_ecs::prelude::*;
-use bevy_math::{Quat, Vec3};
-use bevy_mesh::Mesh;
-use bevy_transform::components::Transform;
-use common::{CAMERA, Cube, Nr, Pair, dice, done, entity, eye, judge, on, opaque, spawn_box, spawn_camera};
+use common::*;
 
 const FRAMES: u32 = 300;
 
@@ -36,7 +30,7 @@ fn check(pair: &mut Pair, frame: u32, change: impl Fn(&mut World), every: u32) -
     let camera = entity(world, CAMERA);
     // The set of the library for this camera, and Bevy's, are ours.
     let scene = world.resource::<CascaScene>();
-    let found = scene.seen_by(camera).expect("the camera has occlusion");
+    let found = scene.camera(camera).expect("the camera has occlusion").pvs();
     let number = |id: &casca::ObjectId| {
         let bits = scene.scene().unwrap().user_data(*id).unwrap();
         world.get::<Nr>(Entity::from_bits(bits)).unwrap().0

@@ -49,9 +49,6 @@ pub struct Ball {
 
 impl Ball {
     /// Fur of 15% of the radius, a little bent, seen from nearby.
-    ///
-    /// # Errors
-    /// There are none with these numbers.
     pub fn new() -> Result<Self, String> {
         let fur = Fur::for_radius(1.0, 0.15, 0.3).map_err(|why| why.to_string())?;
         let bend = glam::Vec3::new(0.0, -0.5, 0.0);
@@ -81,9 +78,6 @@ impl Ball {
     }
 
     /// The picture of casca-fur's own renderer.
-    ///
-    /// # Errors
-    /// Without an adapter.
     pub fn by_casca_fur(&self, layers: u32) -> Result<Vec<u8>, String> {
         let text = |why: &dyn std::fmt::Display| why.to_string();
         let gpu = Gpu::headless(false).map_err(|why| text(&why))?;
@@ -98,9 +92,6 @@ impl Ball {
     }
 
     /// The traced strands, in half of the size with two by two rays a pixel.
-    ///
-    /// # Errors
-    /// There are none with these numbers.
     pub fn traced(&self) -> Result<Vec<u8>, String> {
         let (mesh, look) = (self.own_mesh()?, self.look());
         let reference = Reference::new(&mesh, &look).map_err(|why| why.to_string())?;
@@ -109,9 +100,6 @@ impl Ball {
     }
 
     /// The picture of Bevy, with its colours stored as casca-fur stores them.
-    ///
-    /// # Errors
-    /// If no picture comes, or the coat has another number of layers.
     pub fn by_bevy(&self, layers: u32) -> Result<Vec<u8>, String> {
         let mesh = mesh_of(&self.own_mesh()?);
         let fill = |world: &mut World| {
@@ -149,9 +137,6 @@ impl Ball {
 }
 
 /// An app with fur, after some frames.
-///
-/// # Errors
-/// If no app comes up.
 pub fn furry(
     settings: Option<CascaSettings>,
     fill: impl FnOnce(&mut World),

@@ -2,7 +2,7 @@
 
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap};
 use bevy::prelude::*;
-use bevy_casca::{CascaScene, CascaSettings};
+use bevy_casca::CascaSettings;
 use bevy_casca_fur::{FurExtension, FurMaterial, FurSettings, Furry, fur_material};
 use casca_fur::scenes::animals::Animal;
 use casca_fur::strands::Fur;
@@ -18,9 +18,6 @@ const DETAIL: u32 = 24;
 
 /// Layers of its fur at most: pictures by a software adapter take long.
 const LAYERS: u32 = 4;
-
-/// Frames until meshes are prepared, or never.
-const MOST_FRAMES: u32 = 60;
 
 /// Frames before the first picture, until all pipelines and lists of lights are there.
 const WARM_UP: u32 = 2;
@@ -64,18 +61,9 @@ impl Herd {
     }
 
     /// An app with the herd, ready for pictures.
-    ///
-    /// # Errors
-    /// If no app comes up.
     pub fn app(&self, settings: Option<CascaSettings>) -> Result<Rendered, String> {
         let mut rendered = furry(settings, |world| self.fill(world), self.eyes[0])?;
-        for frame in 0..MOST_FRAMES {
-            rendered.app().update();
-            let waits = rendered.casca().is_some_and(CascaScene::is_preparing);
-            if frame >= WARM_UP && !waits {
-                break;
-            }
-        }
+        rendered.prepare(WARM_UP);
         Ok(rendered)
     }
 

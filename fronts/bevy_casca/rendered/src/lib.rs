@@ -3,10 +3,8 @@
 /// Without a window; not in pages.
 #[cfg(not(target_family = "wasm"))]
 pub mod fur;
-/// Without a window; not in pages.
 #[cfg(not(target_family = "wasm"))]
 pub mod herd;
-/// Without a window; not in pages.
 #[cfg(not(target_family = "wasm"))]
 pub mod rendered;
 pub mod scenes;

@@ -1,7 +1,8 @@
 //! An app of Bevy's that renders into pictures, with or without the plugin.
 
 use std::any::TypeId;
-use std::sync::mpsc::{Receiver, channel};
+use std::path::Path;
+use std::sync::mpsc::channel;
 
 use bevy::app::PluginsState;
 use bevy::camera::RenderTarget;
@@ -17,6 +18,7 @@ use bevy::render::render_resource::TextureFormat;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::window::ExitCondition;
 use bevy_casca::{CascaPlugin, CascaScene, CascaSettings, standard_materials};
+use casca_tools::image::write_png;
 
 use crate::scenes::{Moves, Scene};
 
@@ -40,9 +42,6 @@ pub struct Rendered {
 impl Rendered {
     /// An app with a camera. `more` adds plugins, `fill` spawns the scene. The plugin is added if
     /// there are settings.
-    ///
-    /// # Errors
-    /// Without a graphics adapter Bevy ends the program; otherwise there are none yet.
     pub fn with_plugins(
         settings: Option<CascaSettings>,
         more: impl FnOnce(&mut App),
@@ -63,45 +62,34 @@ impl Rendered {
             app.insert_resource(settings);
         }
         more(&mut app);
-        while app.plugins_state() == PluginsState::Adding {
-            bevy::tasks::tick_global_task_pools_on_main_thread();
-        }
-        app.finish();
-        app.cleanup();
+        start(&mut app);
         let picture = Image::new_target_texture(WIDTH, HEIGHT, TextureFormat::Rgba8UnormSrgb, None);
         let target = app.world_mut().resource_mut::<Assets<Image>>().add(picture);
         fill(app.world_mut());
-        let camera = (
-            Camera3d::default(),
-            RenderTarget::Image(target.clone().into()),
-            Msaa::Off,
-            Tonemapping::Reinhard,
-            eye,
-        );
+        let place = (RenderTarget::Image(target.clone().into()), eye);
+        let camera = (Camera3d::default(), place, Msaa::Off, Tonemapping::Reinhard);
         let camera = app.world_mut().spawn(camera).id();
         Ok(Self { app, target, camera })
     }
 
     /// An app with a scene. Frames have been drawn until all meshes are prepared.
-    ///
-    /// # Errors
-    /// As [`Rendered::with_plugins`].
     pub fn new(scene: Scene, settings: Option<CascaSettings>) -> Result<Self, String> {
         let mut rendered = Self::with_plugins(settings, |_| (), |world| scene.fill(world), scene.eye(0.0))?;
-        for frame in 0.. {
-            rendered.app.update();
-            let waits = rendered.casca().is_some_and(CascaScene::is_preparing);
-            if frame >= WARM_UP && !waits || frame >= MOST_UPDATES {
-                break;
-            }
-        }
+        rendered.prepare(WARM_UP);
         Ok(rendered)
     }
 
+    /// Draws so many frames, and more until all meshes are prepared.
+    pub fn prepare(&mut self, frames: u32) {
+        for frame in 0..MOST_UPDATES {
+            self.app.update();
+            if frame >= frames && !self.casca().is_some_and(CascaScene::is_preparing) {
+                break;
+            }
+        }
+    }
+
     /// Moves everything to where it is in a frame, and gives the picture of the first frame with it.
-    ///
-    /// # Errors
-    /// If no picture comes.
     pub fn picture(&mut self, scene: Scene, frame: u32) -> Result<Vec<u8>, String> {
         let time = frame as f32 * scene.step();
         let world = self.app.world_mut();
@@ -114,18 +102,8 @@ impl Rendered {
     }
 
     /// The picture of the next frame: four bytes a pixel.
-    ///
-    /// # Errors
-    /// If none comes.
     pub fn capture(&mut self) -> Result<Vec<u8>, String> {
-        let picture = capture(self.app.world_mut(), &self.target);
-        for _ in 0..MOST_UPDATES {
-            self.app.update();
-            if let Ok(picture) = picture.try_recv() {
-                return picture.ok_or("a picture without pixels".into());
-            }
-        }
-        Err("no picture came".into())
+        capture(&mut self.app, &self.target)
     }
 
     /// The app.
@@ -165,12 +143,34 @@ impl Rendered {
     }
 }
 
-/// Asks for a picture of the next frame: four bytes a pixel, or none.
-pub fn capture(world: &mut World, target: &Handle<Image>) -> Receiver<Option<Vec<u8>>> {
+/// Waits until all plugins of an app are ready.
+pub fn start(app: &mut App) {
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+}
+
+/// The picture of the next frame: four bytes a pixel.
+pub fn capture(app: &mut App, target: &Handle<Image>) -> Result<Vec<u8>, String> {
     let (send, receive) = channel();
-    world.spawn(Screenshot::image(target.clone())).observe(move |shot: On<ScreenshotCaptured>| {
+    app.world_mut().spawn(Screenshot::image(target.clone())).observe(move |shot: On<ScreenshotCaptured>| {
         // Nobody waits any more if it comes too late.
         let _ = send.send(shot.image.data.clone());
     });
-    receive
+    for _ in 0..MOST_UPDATES {
+        app.update();
+        if let Ok(picture) = receive.try_recv() {
+            return picture.ok_or("a picture without pixels".into());
+        }
+    }
+    Err("no picture came".into())
+}
+
+/// Writes a PNG file into a folder, if there is one.
+pub fn save(folder: Option<&Path>, name: &str, size: (u32, u32), pixels: &[u8]) -> Result<(), String> {
+    let Some(folder) = folder else { return Ok(()) };
+    std::fs::create_dir_all(folder).map_err(|why| why.to_string())?;
+    write_png(&folder.join(name), size, pixels).map_err(|why| why.to_string())
 }

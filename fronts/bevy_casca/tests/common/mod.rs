@@ -1,29 +1,31 @@
 //! Apps without a window: one with casca and one with Bevy's own culling, in step.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
-use std::any::TypeId;
-use std::collections::{BTreeMap, BTreeSet};
+pub use std::any::TypeId;
+pub use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use bevy_app::{App, Last, TaskPoolPlugin};
-use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, AssetPlugin, Assets, Handle};
-use bevy_camera::visibility::{
-    CascadesVisibleEntities, CubemapVisibleEntities, InheritedVisibility, NoCpuCulling, ViewVisibility,
-    VisibleEntities, VisibleMeshEntities,
-};
-use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
-use bevy_casca::casca::glam;
-use bevy_casca::{CascaPlugin, CascaScene, Opaque, Surface};
-use bevy_ecs::prelude::*;
-use bevy_image::Image;
-use bevy_light::LightPlugin;
-use bevy_math::{Affine3A, Vec3};
-use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
-use bevy_reflect::TypePath;
-use bevy_shape::Cuboid;
+pub use bevy_app::{App, Last, PostUpdate, TaskPoolPlugin};
+pub use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, AssetPlugin, Assets, Handle, RenderAssetUsages};
+pub use bevy_camera::primitives::{Aabb, CUBE_MAP_FACES, Sphere};
+pub use bevy_camera::visibility::*;
+pub use bevy_camera::*;
+pub use bevy_casca::casca::glam;
+pub use bevy_casca::*;
+pub use bevy_ecs::entity_disabling::Disabled;
+pub use bevy_ecs::prelude::*;
+pub use bevy_image::Image;
+pub use bevy_light::cluster::ClusterVisibilityClass;
+pub use bevy_light::*;
+pub use bevy_math::{Affine3A, Mat4, Quat, UVec2, Vec2, Vec3};
+pub use bevy_mesh::morph::MorphWeights;
+pub use bevy_mesh::skinning::SkinnedMesh;
+pub use bevy_mesh::{Indices, Mesh, Mesh3d, MeshPlugin, PrimitiveTopology};
+pub use bevy_reflect::{Reflect, TypePath};
+pub use bevy_shape::Cuboid;
 use bevy_transform::TransformPlugin;
-use bevy_transform::components::{GlobalTransform, Transform};
-use casca_scenes::world::{Camera, Motion, Object, Shape};
+pub use bevy_transform::components::{GlobalTransform, Transform};
+use casca_scenes::world::{self, Motion, Object, Shape};
 use casca_truth::oracle::{Oracle, OracleOptions};
 
 /// The number of the first camera.
@@ -42,13 +44,16 @@ pub struct Paint {
     pub picture: Option<Handle<Image>>,
 }
 
-#[derive(Component, Clone)]
-pub struct Painted(pub Handle<Paint>);
+/// Named as Bevy names its own.
+#[derive(Component, Reflect, Clone)]
+#[reflect(Component)]
+#[type_path = "bevy_pbr::mesh_material"]
+pub struct MeshMaterial3d<M: Asset>(pub Handle<M>);
 
-impl AsAssetId for Painted {
-    type Asset = Paint;
+impl<M: Asset> AsAssetId for MeshMaterial3d<M> {
+    type Asset = M;
 
-    fn as_asset_id(&self) -> AssetId<Paint> {
+    fn as_asset_id(&self) -> AssetId<M> {
         self.0.id()
     }
 }
@@ -145,6 +150,12 @@ pub fn entity(world: &mut World, nr: u32) -> Entity {
 pub fn on(world: &mut World, nr: u32, change: impl Fn(&mut EntityWorldMut)) {
     let entity = entity(world, nr);
     change(&mut world.entity_mut(entity));
+}
+
+/// Why the entity of a number hides nothing.
+pub fn why_not(app: &mut App, nr: u32) -> Option<WhyNot> {
+    let entity = entity(app.world_mut(), nr);
+    CascaScene::why_not(app.world(), entity)
 }
 
 /// The numbers in the list of each camera, in its order; the lists by their classes.
@@ -260,7 +271,7 @@ pub type Lists = BTreeMap<u32, BTreeSet<u32>>;
 
 /// The boxes of an app as the oracle takes them, with their numbers.
 pub fn truth(app: &mut App) -> (Vec<u32>, Vec<Object>) {
-    let cube = Arc::new(casca_scenes::world::Mesh::cuboid(glam::Vec3::splat(-0.5), glam::Vec3::splat(0.5)));
+    let cube = Arc::new(world::Mesh::cuboid(glam::Vec3::splat(-0.5), glam::Vec3::splat(0.5)));
     let world = app.world_mut();
     let mut all = world.query_filtered::<(&Nr, &GlobalTransform, &InheritedVisibility), With<Mesh3d>>();
     let drawn = all.iter(world).filter(|(.., drawn)| drawn.get());
@@ -283,7 +294,7 @@ pub fn truth(app: &mut App) -> (Vec<u32>, Vec<Object>) {
 
 /// Asks the oracle whether a set of numbers lacks anything that a camera sees. Returns how many
 /// boxes it sees.
-pub fn judge(app: &mut App, camera: &Camera, set: &BTreeSet<u32>) -> usize {
+pub fn judge(app: &mut App, camera: &world::Camera, set: &BTreeSet<u32>) -> usize {
     let (numbers, objects) = truth(app);
     let options = OracleOptions { width: 96, height: 54, samples_per_object: 4, ..Default::default() };
     let all: Vec<usize> = (0..objects.len()).collect();
@@ -295,12 +306,12 @@ pub fn judge(app: &mut App, camera: &Camera, set: &BTreeSet<u32>) -> usize {
 }
 
 /// A camera as the oracle takes it.
-pub fn eye(app: &mut App, nr: u32) -> Camera {
+pub fn eye(app: &mut App, nr: u32) -> world::Camera {
     let entity = entity(app.world_mut(), nr);
     let at = *app.world().get::<GlobalTransform>(entity).unwrap();
     let view = glam::Affine3A::from_cols_array(&at.affine().to_cols_array()).inverse();
     let lens = PerspectiveProjection::default();
-    Camera {
+    world::Camera {
         eye: glam::Vec3::from(at.translation().to_array()),
         view: view.into(),
         projection: glam::camera::rh::proj::directx::perspective(lens.fov, 16.0 / 9.0, lens.near, lens.far),

@@ -78,12 +78,8 @@ fn main() -> ExitCode {
     let mut app = App::new();
     let render = RenderPlugin { synchronous_pipeline_compilation: arguments.picture.is_some(), ..default() };
     // The window, or the picture of the page.
-    let window = Window {
-        title: TITLE.into(),
-        canvas: Some("#picture".into()),
-        fit_canvas_to_parent: true,
-        ..default()
-    };
+    let canvas = Some("#picture".into());
+    let window = Window { title: TITLE.into(), canvas, fit_canvas_to_parent: true, ..default() };
     let plugins = DefaultPlugins.set(render).disable::<LogPlugin>();
     if arguments.picture.is_some() {
         let window =
@@ -116,35 +112,22 @@ fn main() -> ExitCode {
 /// Runs some frames without a window, and writes the last one.
 #[cfg(not(target_family = "wasm"))]
 fn picture(mut app: App, entities: usize, file: &std::path::Path) -> Result<(), String> {
+    use bevy::render::render_resource::TextureFormat;
+    use bevy_casca_rendered::rendered;
+
     /// The picture is that of the frame after so many.
     const FRAMES: u32 = 60;
     let size = UVec2::new(1280, 720);
-    while app.plugins_state() == bevy::app::PluginsState::Adding {
-        bevy::tasks::tick_global_task_pools_on_main_thread();
-    }
-    app.finish();
-    app.cleanup();
-    let image = Image::new_target_texture(
-        size.x,
-        size.y,
-        bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
-        None,
-    );
+    rendered::start(&mut app);
+    let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
     let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
     set_up(app.world_mut(), entities, &RenderTarget::Image(image.clone().into()));
     for _ in 0..FRAMES {
         app.update();
     }
-    let picture = bevy_casca_rendered::rendered::capture(app.world_mut(), &image);
-    for _ in 0..FRAMES {
-        app.update();
-        if let Ok(picture) = picture.try_recv() {
-            let picture = picture.and_then(|rgba| image::RgbaImage::from_raw(size.x, size.y, rgba));
-            let picture = picture.ok_or("a picture without pixels")?;
-            return picture.save(file).map_err(|why| format!("{}: {why}", file.display()));
-        }
-    }
-    Err("no picture came".into())
+    let picture = rendered::capture(&mut app, &image)?;
+    let picture = image::RgbaImage::from_raw(size.x, size.y, picture).ok_or("a picture of another size")?;
+    picture.save(file).map_err(|why| format!("{}: {why}", file.display()))
 }
 
 /// A page has no files.
@@ -177,22 +160,11 @@ fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
     let light = DirectionalLight { illuminance: 7_000.0, ..default() };
     world.spawn((light, Transform::default().looking_to(Vec3::new(0.4, -1.0, -0.6), Vec3::Y), ABOVE));
     let light = AmbientLight { brightness: 900.0, ..default() };
-    let camera = (
-        Camera3d::default(),
-        target.clone(),
-        Msaa::Off,
-        Tonemapping::AcesFitted,
-        DebandDither::Disabled,
-        light,
-    );
-    let eye = (camera.clone(), town::street(0.0));
-    world.spawn((
-        Eye,
-        eye,
-        FreeCamera::default(),
-        ShowFrustumGizmo { color: Some(Color::WHITE) },
-        IsDefaultUiCamera,
-    ));
+    let colors = (Tonemapping::AcesFitted, DebandDither::Disabled, light);
+    let camera = (Camera3d::default(), target.clone(), Msaa::Off, colors);
+    let gizmo = ShowFrustumGizmo { color: Some(Color::WHITE) };
+    let eye = (camera.clone(), town::street(0.0), gizmo);
+    world.spawn((Eye, eye, FreeCamera::default(), IsDefaultUiCamera));
     let second =
         Camera { order: 1, clear_color: ClearColorConfig::Custom(Color::srgb(0.1, 0.1, 0.12)), ..default() };
     world.spawn((Bird, camera, second, ABOVE, NoOcclusionCulling));

@@ -2,15 +2,15 @@
 //!
 //! `cargo run --bin fur`, with Rust 1.97.1 or newer. `--out FOLDER` keeps the pictures.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use bevy::prelude::Transform;
 use bevy_casca::CascaSettings;
 use bevy_casca_rendered::fur::{Ball, coats, rmse};
 use bevy_casca_rendered::herd::Herd;
-use bevy_casca_rendered::rendered::{HEIGHT, WIDTH};
-use casca_tools::image::{halved, write_png};
+use bevy_casca_rendered::rendered::{HEIGHT, WIDTH, save};
+use casca_tools::image::halved;
 use clap::Parser;
 
 /// Compares fur by Bevy with fur by casca-fur, and a herd with and without bevy_casca.
@@ -94,10 +94,4 @@ fn herd(arguments: &Arguments) -> Result<(), String> {
         differ += other;
     }
     if differ > 0 { Err("pictures with and without culling differ".into()) } else { Ok(()) }
-}
-
-fn save(folder: Option<&Path>, name: &str, size: (u32, u32), pixels: &[u8]) -> Result<(), String> {
-    let Some(folder) = folder else { return Ok(()) };
-    std::fs::create_dir_all(folder).map_err(|why| why.to_string())?;
-    write_png(&folder.join(name), size, pixels).map_err(|why| why.to_string())
 }

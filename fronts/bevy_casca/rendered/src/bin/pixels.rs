@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use bevy_casca::{CascaScene, CascaSettings};
-use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH};
+use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH, save};
 use bevy_casca_rendered::scenes::Scene;
 use clap::Parser;
 
@@ -59,10 +59,9 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
             count[0] += app.drawn();
             count[1] += app.casters();
         }
-        if let Some(folder) = out.filter(|_| differ > 0 || frame == frames / 2) {
-            for (name, picture) in [("casca", with), ("bevy", without)] {
-                save(&folder.join(format!("{of_scene}-{frame}-{name}.png")), picture)?;
-            }
+        let folder = out.filter(|_| differ > 0 || frame == frames / 2);
+        for (name, picture) in [("casca", with), ("bevy", without)] {
+            save(folder, &format!("{of_scene}-{frame}-{name}.png"), (WIDTH, HEIGHT), &picture)?;
         }
     }
     let of = |sum: usize| sum / frames.max(1) as usize;
@@ -76,9 +75,4 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
         casca.casca().map_or(0, CascaScene::occluders)
     );
     Ok(pictures)
-}
-
-fn save(path: &Path, rgba: Vec<u8>) -> Result<(), String> {
-    let picture = image::RgbaImage::from_raw(WIDTH, HEIGHT, rgba).ok_or("a picture of another size")?;
-    picture.save(path).map_err(|why| format!("{}: {why}", path.display()))
 }
