@@ -25,7 +25,7 @@ pub enum Bounds {
     /// An axis-aligned box.
     Box(Aabb),
     /// A box turned by a rotation.
-    Oriented(Box<Obb>),
+    Oriented(Obb),
     /// The triangles themselves, in world space. Their bounding box is tested
     /// against the frustum; only cells that triangles touch contain the object.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -35,7 +35,7 @@ pub enum Bounds {
     Instance(Instance),
 }
 
-kinds!(Bounds: Sphere(Sphere), Box(Aabb), Oriented(Box<Obb>), Mesh(Arc<TriMesh>), Instance(Instance));
+kinds!(Bounds: Sphere(Sphere), Box(Aabb), Oriented(Obb), Mesh(Arc<TriMesh>), Instance(Instance));
 
 impl Bounds {
     /// A box around the bounds in world units, rounded outwards: the one that is compared with

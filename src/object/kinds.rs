@@ -1,7 +1,7 @@
 //! Dispatch from bounds and occluders to the kinds of shapes.
 
 /// Implements an enum of shapes by asking its variants, each of which is a
-/// [`Kind`](crate::shape::kind::Kind) or an `Arc` or `Box` of one. A new kind of shape is one more name in
+/// [`Kind`](crate::shape::kind::Kind), or an `Arc` or a `Box` of one. A new kind of shape is one more name in
 /// the list.
 macro_rules! kinds {
     ($name:ident: $($variant:ident($kind:ty)),+ $(,)?) => {
@@ -73,12 +73,6 @@ macro_rules! kinds {
                 Self::$variant(shape)
             }
         })+
-
-        impl From<Obb> for $name {
-            fn from(shape: Obb) -> Self {
-                Self::Oriented(Box::new(shape))
-            }
-        }
     };
 }
 

@@ -30,7 +30,7 @@ pub enum Occluder {
     Sphere(Sphere),
     /// A solid axis-aligned box.
     Box(Aabb),
-    /// A solid box turned by a rotation.
+    /// A solid box turned by a rotation. Apart, so that objects without one are small.
     Oriented(Box<Obb>),
     /// A solid convex polytope in world space.
     #[cfg_attr(feature = "serde", serde(with = "crate::shape::convex::stored"))]
@@ -52,6 +52,12 @@ kinds!(
     Mesh(Arc<TriMesh>),
     Instance(Instance),
 );
+
+impl From<Obb> for Occluder {
+    fn from(shape: Obb) -> Self {
+        Self::Oriented(Box::new(shape))
+    }
+}
 
 impl Occluder {
     /// Whether it has an inside that points can lie in.

@@ -33,7 +33,7 @@ impl Bounds {
             Self::Oriented(b) => {
                 let (center, off) = offset.nearest(b.center);
                 let half = b.half.to_array().map(|half| grown(half, off));
-                Obb { center, half: half.into(), ..**b }.into()
+                Obb { center, half: half.into(), ..*b }.into()
             }
             Self::Mesh(mesh) => Instance::carried(mesh.clone(), Affine3A::IDENTITY, offset)?.into(),
             Self::Instance(instance) => moved(instance, offset)?.into(),

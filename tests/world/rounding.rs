@@ -54,7 +54,7 @@ fn check(scene: &Scene, id: ObjectId, min: DVec3, max: DVec3) -> f64 {
     // Their box alone is a little larger than the shapes.
     let (low, high) = match scene.bounds(id).unwrap() {
         Bounds::Sphere(s) => block_of(&(*s).into()),
-        Bounds::Oriented(b) => block_of(&(**b).into()),
+        Bounds::Oriented(b) => block_of(&(*b).into()),
         bounds => (bounds.aabb().min.as_dvec3(), bounds.aabb().max.as_dvec3()),
     };
     assert!(low.cmple(min).all() && high.cmpge(max).all(), "bounds {low} {high} of {min} {max}");

@@ -32,8 +32,8 @@ pub(super) struct SecondTest {
     pub(super) hidden: Vec<bool>,
     /// Occluders that were of use in this test only.
     pub(super) used: UsedFinely,
-    /// Boxes of objects that came into sight, though the last view could have seen them.
-    came: Vec<Block>,
+    /// The slots of those in sight before this test, though the last run hid them.
+    came: Vec<Slot>,
 }
 
 impl SecondTest {
@@ -47,6 +47,9 @@ impl SecondTest {
         }
         self.begin(drawing);
         self.examine_all(drawing, candidates, &mut left);
+        if drawing.run.coherent {
+            self.decide_again(drawing, candidates, &mut left);
+        }
         self.end(drawing);
         drawing.stats.refine_squares = given - left.squares;
     }
@@ -57,18 +60,37 @@ impl SecondTest {
         candidates.iter().enumerate().filter(|(at, _)| self.hidden.get(*at) != Some(&true)).map(|seen| seen.1)
     }
 
-    /// Draws occluders that wait, in front of objects that come into sight though the last view could
-    /// have seen them: those occluders hid them then.
+    /// Draws occluders that wait before suspicious objects, which were there when the last run hid
+    /// them: before those whose middles are in sight now.
     fn draw_waiting(&mut self, drawing: &mut Drawing, candidates: &[Candidate]) {
-        let came = |candidate: &&Candidate| {
-            let block = candidate.block.as_ref();
-            drawing.coherence().hid(candidate.slot, block) && !block.is_some_and(|block| drawing.hides(block))
-        };
+        let came = |c: &&Candidate| drawing.coherence().hid(c.slot, c.block.as_ref()) && shows(drawing, c);
         self.came.clear();
-        self.came.extend(candidates.iter().filter(came).filter_map(|candidate| candidate.block));
-        if !self.came.is_empty() {
-            drawing.draw_before(&self.came);
+        self.came.extend(candidates.iter().filter(came).map(|candidate| candidate.slot));
+        self.came.sort_unstable();
+        let is_known = |candidate: &&Candidate| self.came.binary_search(&candidate.slot).is_ok();
+        let blocks: Vec<Block> = candidates.iter().filter(is_known).filter_map(|c| c.block).collect();
+        drawing.draw_before(&blocks);
+    }
+
+    /// Tests suspicious objects once more that were found visible, with what waits before them drawn.
+    fn decide_again(&mut self, drawing: &mut Drawing, candidates: &[Candidate], left: &mut Budget) {
+        let is_suspicious = |&at: &usize| {
+            let Candidate { slot, block, .. } = &candidates[at];
+            let again = self.hidden.get(at) != Some(&true) && drawing.coherence().hid(*slot, block.as_ref());
+            again && self.came.binary_search(slot).is_err()
+        };
+        let again: Vec<usize> = (0..candidates.len()).filter(is_suspicious).collect();
+        let blocks: Vec<Block> = again.iter().filter_map(|&at| candidates[at].block).collect();
+        if blocks.is_empty() || !drawing.draw_before(&blocks) {
+            return;
         }
+        self.end(drawing);
+        self.begin(drawing);
+        let first = std::mem::take(&mut self.hidden);
+        let tested: Vec<Candidate> = again.iter().map(|&at| candidates[at]).collect();
+        self.examine_all(drawing, &tested, left);
+        let second = std::mem::replace(&mut self.hidden, first);
+        again.iter().zip(second).for_each(|(&at, hidden)| self.hidden[at] = hidden);
     }
 
     /// Forgets magnified pixels: occluders were drawn.
@@ -118,6 +140,17 @@ impl SecondTest {
 /// Whether an object that was visible in the last run stays so unless the buffers hide it at once.
 fn stays(drawing: &Drawing, candidate: &Candidate) -> bool {
     drawing.run.coherent && drawing.coherence().stays(candidate.slot)
+}
+
+/// Whether the middle of a candidate, or of one of its parts, is in an open pixel.
+fn shows(drawing: &Drawing, candidate: &Candidate) -> bool {
+    let &Candidate { slot, block: Some(block), is_centered, .. } = candidate else { return false };
+    let buffers = drawing.buffers();
+    if is_centered {
+        return buffers.shows_plainly((block.min + block.max) * 0.5 - buffers.origin(), slot);
+    }
+    let middle = drawing.run.scene.object(slot).bounds().kind().middle_of_parts();
+    middle.is_some_and(|middle| buffers.shows(middle - buffers.origin(), slot))
 }
 
 /// Counts a candidate that was tested again.

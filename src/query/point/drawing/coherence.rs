@@ -8,7 +8,8 @@
 //! 1. Those that hid something at the end of the last run are drawn first, patches in one batch.
 //! 2. The walk goes as ever. It draws occluders that the last run did not draw. Others wait.
 //! 3. An object that the last view could have seen, that it did not see, and that is not hidden
-//!    after the walk, is suspicious: those that wait before such objects are drawn then.
+//!    after the walk, is suspicious: those that wait before such objects are drawn then, before the
+//!    second test if the object is plainly in sight, else after it, and such objects tested again.
 //! 4. Objects that were visible in the last run stay visible unless the buffers hide them at once:
 //!    their open pixels are examined in every sixteenth run only. All others are examined as ever.
 //!
@@ -130,11 +131,11 @@ impl<'a> Drawing<'a> {
         coherence.sights.extend(sights.map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
     }
 
-    /// Draws the occluders that wait before some boxes.
-    pub(crate) fn draw_before(&mut self, blocks: &[Block]) {
+    /// Draws the occluders that wait before some boxes. Returns whether there are any.
+    pub(crate) fn draw_before(&mut self, blocks: &[Block]) -> bool {
         let coherence = &self.scratch.coherence;
         if coherence.waiting_solids.is_empty() && coherence.waiting_patches.is_empty() {
-            return;
+            return false;
         }
         let buffers = &self.scratch.buffers;
         let mut tiles: Vec<Vec<f32>> = vec![Vec::new(); buffers.faces().count()];
@@ -152,6 +153,7 @@ impl<'a> Drawing<'a> {
                 });
             }
         }
+        let before = (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len());
         let mut solids = std::mem::take(&mut self.scratch.coherence.waiting_solids);
         solids.retain(|&slot| {
             let block = self.run.scene.object(slot).occluder().map(|occluder| occluder.block());
@@ -166,6 +168,7 @@ impl<'a> Drawing<'a> {
         let mut patches = std::mem::take(&mut self.scratch.coherence.waiting_patches);
         self.draw_patches_of(&mut patches, |walk, block| walk.is_before(block, &tiles));
         self.scratch.coherence.waiting_patches = patches;
+        before != (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len())
     }
 
     /// Whether a box in world units touches a tile with an object that is nowhere nearer than a
