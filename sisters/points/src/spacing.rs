@@ -6,7 +6,7 @@
 
 use crate::splat::SplatError;
 use glam::Vec3;
-use nabo::{KDTree, NotNan, Point};
+use nabo::{CandidateContainer, KDTree, NotNan, Parameters, Point};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -133,7 +133,10 @@ impl Neighbours {
 
     /// The nearest points to one of them, nearest first, but for itself.
     pub fn of(&self, point: Vec3, count: u32) -> impl Iterator<Item = u32> {
-        let nearest = self.0.knn(count + 1, &Place::new(point)).into_iter();
+        let (all, place) = (CandidateContainer::Linear, Place::new(point));
+        let (epsilon, max_radius) = (0.0, f64::INFINITY);
+        let how = Parameters { epsilon, max_radius, allow_self_match: true, sort_results: true };
+        let nearest = self.0.knn_advanced(count + 1, &place, all, &how, None).into_iter();
         nearest.filter(|neighbour| neighbour.dist2.into_inner() > 0.0).map(|neighbour| neighbour.index)
     }
 }

@@ -53,11 +53,12 @@ pub(super) const DIRECTIONS: [Vec2; SECTORS] = {
 
 /// Whether the polygon that reaches so far in each of the [`DIRECTIONS`] covers a place.
 #[inline]
-pub(super) fn covers(reach: &[f32; SECTORS], place: Vec2) -> bool {
+pub(super) fn covers(reach: impl Fn(usize) -> f32, place: Vec2) -> bool {
     let k = sector(place);
     let next = (k + 1) % SECTORS;
-    let (a, b) = (DIRECTIONS[k] * reach[k], DIRECTIONS[next] * reach[next]);
-    (b - a).perp_dot(place - a) >= 0.0
+    let (a, b) = (DIRECTIONS[k] * reach(k), DIRECTIONS[next] * reach(next));
+    // A sector of no reach covers nothing.
+    (b - a).perp_dot(place - a) > 0.0
 }
 
 /// How far the triangles around the origin reach, by sector; 0 where there is none.

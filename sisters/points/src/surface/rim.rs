@@ -37,15 +37,15 @@ const DIRECTIONS: usize = 32;
 /// of planes.
 pub(super) fn normals(input: &Input, normals: &[Vec3A], margins: &Margins) -> Vec<Option<Vec3A>> {
     let all = 0..normals.len();
-    let Input { near, spacing, .. } = input;
-    let of = |i: usize| Surroundings { near: &near[i], normals, own: normals[i], spacing: spacing[i] };
+    let of =
+        |i: usize| Surroundings { near: input.near(i), normals, own: normals[i], spacing: input.spacing[i] };
     let plates: Vec<Option<Vec3A>> = all.clone().into_par_iter().map(|i| of(i).plate(margins)).collect();
-    all.into_par_iter().map(|i| of(i).outwards(plates[i]?, &plates)).collect()
+    all.into_par_iter().map(|i| plates[i].and_then(|plate| of(i).outwards(plate, &plates))).collect()
 }
 
 /// The neighbours of a point.
 struct Surroundings<'a> {
-    near: &'a [Near],
+    near: Vec<Near>,
     /// Those of all points, and of this one.
     normals: &'a [Vec3A],
     own: Vec3A,

@@ -103,6 +103,15 @@ fn void_normals_are_estimated_and_others_are_used_whatever_their_length() {
 }
 
 #[test]
+fn a_point_takes_sixty_bytes() {
+    let ball = ball(16_000);
+    for (cloud, most) in [(bare(&ball), 60), (ball, 44)] {
+        let bytes = Surface::new(&cloud).unwrap().bytes();
+        assert!(bytes <= most * cloud.len(), "{bytes}");
+    }
+}
+
+#[test]
 fn a_sheet_is_seen_from_both_sides() {
     let sheet = join(vec![rectangle(Vec3::ZERO, Vec3::X * 30.0, Vec3::Y * 30.0, Vec3::Z)]);
     for z in [40.0, -40.0] {
