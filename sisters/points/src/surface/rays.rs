@@ -123,7 +123,7 @@ impl Discs {
     fn any(&self, ray: Ray, mut is: impl FnMut(usize, &Disc) -> bool) -> bool {
         let mut found = false;
         self.tree.ray_traverse_miss(ray, |_, j| {
-            found = found || is(j, &self.discs[j].disc());
+            found = found || self.discs[j].is_near(&ray) && is(j, &self.discs[j].disc());
             if found { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         found
