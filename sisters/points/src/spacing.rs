@@ -39,12 +39,10 @@ const MOST_OF_A_BOX: usize = 8 * POINTS_OF_A_BOX;
 /// One radius for all points: half the distance to the sixth nearest neighbour that 95 percent of
 /// points do not exceed; 0 for less than two places.
 ///
-/// For clouds of even density. Of more than half a million points it looks only at those in 64
-/// small boxes around random points, so that it takes a pass over the points for each of them.
-/// The same in every run.
+/// For clouds of even density. Of more than half a million points it looks only at those in 64 small boxes
+/// around random points, so that it takes a pass over the points for each of them. The same in every run.
 ///
 /// # Errors
-///
 /// [`SplatError::PointNotFinite`].
 pub fn automatic_radius(points: &[Vec3]) -> Result<f32, SplatError> {
     if let Some(index) = points.par_iter().position_first(|p| !p.is_finite()) {
@@ -98,9 +96,8 @@ fn compare(a: &Vec3, b: &Vec3) -> Ordering {
 fn some(points: &[Vec3], count: usize, random: &mut Pcg64Mcg) -> Vec<Vec3> {
     let count = count.min(points.len());
     let stretch = points.len() as f64 / count as f64;
-    (0..count)
-        .map(|i| points[((i as f64 + random.random::<f64>()) * stretch) as usize % points.len()])
-        .collect()
+    let mut at = |i: usize| ((i as f64 + random.random::<f64>()) * stretch) as usize % points.len();
+    (0..count).map(|i| points[at(i)]).collect()
 }
 
 /// The points of a cloud by place, at most 2^30.
@@ -189,11 +186,10 @@ impl Near {
         let mut points = points.to_vec();
         points.par_sort_unstable_by(compare);
         points.dedup();
-        let places: Vec<Place> = points.iter().map(|&p| Place::new(p)).collect();
-        if places.len() < 2 {
+        if points.len() < 2 {
             return Vec::new();
         }
-        let tree = KDTree::new(&places);
+        let Neighbours(tree) = Neighbours::new(points.iter().copied());
         let distance = |p: Vec3| {
             // The nearest is the place itself.
             let last = tree.knn(NEIGHBOUR + 1, &Place::new(p)).last().map_or(0.0, |last| last.dist2.sqrt());

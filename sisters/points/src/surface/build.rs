@@ -43,9 +43,8 @@ const FARTHEST: f32 = 2.5;
 const OVERHANG: f32 = 0.4;
 /// How far an edge may be from the points on both of its sides.
 const EDGE: f32 = 1.5;
-/// How far from a point the face that it is on may end at a side of its body, how far below the
-/// face the points of that side are at most, and how far along the edge: without and with normals
-/// that are given.
+/// How far from a point the face that it is on may end at a side of its body, how far below the face the
+/// points of that side are at most, and how far along the edge: without and with normals that are given.
 const END: f32 = 2.0;
 const DEEP: f32 = 0.7;
 const ALONG: [f32; 2] = [1.0, 3.0];
@@ -85,17 +84,16 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     let (middle, half) = ((low + high) / 2.0, (high - low).max_element() / 2.0);
     let scale = if half > 0.0 { power_of_two_for(half) / 2.0 } else { 1.0 };
     let unique = Places::new(&cloud.positions);
-    let moved = |p: Vec3| ((p.as_dvec3() - middle) * scale).as_vec3a();
-    let place = |group: &[u32]| moved(cloud.positions[group[0] as usize]);
+    let place = |group: &&[u32]| (cloud.positions[group[0] as usize].as_dvec3() - middle) * scale;
     let groups: Vec<&[u32]> = unique.groups().collect();
-    let places: Vec<Vec3A> = groups.iter().map(|group| place(group)).collect();
+    let places: Vec<Vec3A> = groups.iter().map(|group| place(group).as_vec3a()).collect();
     let normal = |i: &u32| cloud.normals.get(*i as usize).map_or(Vec3A::ZERO, |&n| unit(n).into());
-    let given = |group: &[u32]| {
+    let given = |group: &&[u32]| {
         let sum: Vec3A = group.iter().map(normal).sum();
         // Two sheets at one place: either side will do.
         sum.try_normalize().unwrap_or_else(|| normal(&group[0]))
     };
-    let normals: Vec<Vec3A> = groups.iter().map(|group| given(group)).collect();
+    let normals: Vec<Vec3A> = groups.iter().map(given).collect();
     let tree_of_places = Neighbours::new(places.iter().map(|p| p.to_vec3()));
     let of = |p: &Vec3A| {
         let mut all = [NOBODY; NEIGHBOURS];
@@ -113,10 +111,8 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     let planes = planes(&input, &margins);
     let mut discs = all.clone().into_par_iter().map(|i| disc(&input, &planes, &margins, i)).collect();
     let oriented = all.clone().all(|i| input.given(i));
-    let peers: Vec<_> = if oriented { 0..0 } else { all }
-        .into_par_iter()
-        .map(|i| peers(&input, &planes, &margins, i))
-        .collect();
+    let all = if oriented { 0..0 } else { all };
+    let peers: Vec<_> = all.into_par_iter().map(|i| peers(&input, &planes, &margins, i)).collect();
     drop((input, planes));
     let (tree, order) = tree(&mut discs);
     let (mut rank, mut disc_of) = (vec![0; order.len()], vec![0; cloud.len()]);
@@ -172,14 +168,8 @@ fn margins(input: &Input) -> Margins {
     let wider = (spacing(0.5) / spacing(DENSEST) / EVEN).powi(2).clamp(1.0, WIDEST);
     let grain = wider * quantile(all.iter().map(|n| n.0).collect(), 0.5) / noise.max(INLIER[0] / INLIER[1]);
     let margin = |[least, by_noise]: [f32; 2]| least.max(by_noise * noise);
-    Margins {
-        inlier: margin(INLIER),
-        layer: margin(LAYER),
-        behind: margin(BEHIND),
-        plate: margin(PLATE),
-        between: margin(BETWEEN),
-        grain,
-    }
+    let [inlier, layer, behind, plate, between] = [INLIER, LAYER, BEHIND, PLATE, BETWEEN].map(margin);
+    Margins { inlier, layer, behind, plate, between, grain }
 }
 
 /// Whether two normals differ by an angle of at least this cosine; their signs may mean nothing.
@@ -242,8 +232,7 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Packed 
     disc.pack(reaches)
 }
 
-/// How far it is in a direction to the first of the planes of neighbours that meets it near the
-/// neighbour.
+/// How far it is in a direction to the first of the planes of neighbours that meets it near the neighbour.
 fn edge(direction: Vec3A, across: &[Side], most: f32) -> Option<f32> {
     let meets = across.iter().filter_map(|(v, normal, _)| {
         let far = normal.dot(*v) / normal.dot(direction);

@@ -3,11 +3,8 @@
 use super::fan::SECTORS;
 use crate::numeric::BOX;
 use glam::{DVec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::ray::Ray;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::{BvhBuildParams, aabb::Aabb, ray::Ray};
 use std::time::Duration;
 
 /// The discs of a cloud: one for each of its places.
@@ -127,8 +124,7 @@ pub(super) fn rounded(normal: Vec3A) -> Vec3A {
 }
 
 impl Packed {
-    /// Whether a ray that starts within the cube from -8 to 8 may meet it: most in a leaf are too
-    /// far away.
+    /// Whether a ray that starts within the cube from -8 to 8 may meet it: most in a leaf are too far away.
     #[inline]
     pub(super) fn is_near(&self, ray: &Ray) -> bool {
         let spacing = f32::from_bits(u32::from(self.lengths[0]) << 17 >> 1);
@@ -170,14 +166,6 @@ pub(super) fn tree(discs: &mut Vec<Packed>) -> (Bvh2, Vec<u32>) {
     }
     *discs = order.iter().map(|&i| discs[i as usize]).collect();
     (tree, order)
-}
-
-impl Discs {
-    /// The memory that they take on the heap.
-    pub(super) fn bytes(&self) -> usize {
-        let [discs, peers] = [size_of_val(&self.discs[..]), size_of_val(&self.peers[..])];
-        discs + peers + size_of_val(&self.disc_of[..]) + size_of_val(&self.tree.nodes[..])
-    }
 }
 
 impl Disc {

@@ -63,9 +63,8 @@ pub(super) fn covers(reach: impl Fn(usize) -> f32, place: Vec2) -> bool {
 
 /// How far the triangles around the origin reach, by sector; 0 where there is none.
 ///
-/// They are those of the Delaunay triangulation of the origin and `others`, as far as they can be
-/// reached from the nearest of these over triangles with circumcircles of at most the radius
-/// `most`.
+/// They are those of the Delaunay triangulation of the origin and `others`, as far as they can be reached
+/// from the nearest of these over triangles with circumcircles of at most the radius `most`.
 pub(super) fn reach(others: &[Vec2], most: f32) -> [f32; SECTORS] {
     let mut reach = [0.0; SECTORS];
     let nearest = others.iter().min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));

@@ -43,9 +43,8 @@ impl Input {
 /// Neighbours of which all pairs are tried.
 const PAIRED: usize = 9;
 
-/// How much a neighbour off the plane counts against it, if it is on the side that has fewer of
-/// these: a plane that cuts through a bent surface has them on both of its sides, one that touches
-/// it on one.
+/// How much a neighbour off the plane counts against it, if it is on the side that has fewer of these: a
+/// plane that cuts through a bent surface has them on both of its sides, one that touches it on one.
 const CUT: f32 = 0.3;
 
 /// Rounds of least squares after that.
@@ -120,8 +119,7 @@ fn refined(normal: Vec3A, near: &[Vec3A], inlier: f32) -> Vec3A {
     }
 }
 
-/// The root of the mean square of the heights of those neighbours that are within `most` of a
-/// plane.
+/// The root of the mean square of the heights of those neighbours that are within `most` of a plane.
 pub(super) fn rough(near: &[Vec3A], normal: Vec3A, most: f32) -> f32 {
     let heights = near.iter().map(|p| p.dot(normal)).filter(|h| h.abs() < most);
     let (sum, count) = heights.fold((0.0, 0.0_f32), |(sum, count), h| (sum + h * h, count + 1.0));

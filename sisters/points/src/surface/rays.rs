@@ -129,8 +129,7 @@ impl Discs {
         found
     }
 
-    /// Whether `disc` is between `start` and the point of `to`, which is not a part of the same
-    /// surface.
+    /// Whether `disc` is between `start` and the point of `to`, which is not a part of the same surface.
     #[inline]
     fn hides(&self, disc: &Disc, start: Vec3A, to: &Disc) -> bool {
         let above = disc.normal.dot(start - disc.at);
