@@ -26,7 +26,6 @@ impl AutoSettings {
     /// Measures a cloud, as [`automatic_radius`] does.
     ///
     /// # Errors
-    ///
     /// [`SplatError::PointNotFinite`].
     pub fn new(points: &[Vec3]) -> Result<Self, SplatError> {
         Ok(Self { radius: automatic_radius(points)? })

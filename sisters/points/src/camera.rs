@@ -3,15 +3,13 @@
 use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{Mat4, Vec3};
 
-/// The largest width or height of a picture. Positions in it are counted in 1/256 of a pixel by
-/// floats.
+/// The largest width or height of a picture. Positions in it are counted in 1/256 of a pixel by floats.
 pub const MAX_SIDE: u32 = 8192;
 
 /// The largest number of pixels of a picture: 4 bytes each, in a few images of this size.
 pub const MAX_PIXELS: u32 = 1 << 25;
 
-/// A pinhole camera with square pixels. It looks at its target, which is in the middle of the
-/// picture.
+/// A pinhole camera with square pixels. It looks at its target, which is in the middle of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: Vec3,
@@ -33,8 +31,7 @@ pub struct Projected {
     pub x: f32,
     /// Pixels below the upper border.
     pub y: f32,
-    /// The distance from the plane through the eye that is parallel to the picture, in units of the
-    /// world.
+    /// The distance from the plane through the eye that is parallel to the picture, in units of the world.
     pub depth: f32,
 }
 
@@ -42,8 +39,7 @@ pub struct Projected {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
-    /// A coordinate is infinite or not a number, or the distance to the target is more than a float
-    /// can hold.
+    /// A coordinate is infinite or not a number, or the distance to the target is more than a float can hold.
     #[error("the eye, the target or the direction upwards is not finite, or the target is too far")]
     NotFinite,
     /// The eye is at the target, or the direction upwards is that of the view or 0.
@@ -74,12 +70,10 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera at `eye`. `fov_y` is the vertical angle of the picture in radians, `size` its width
-    /// and height in pixels; points nearer than the depth `near` or farther than `far` are not
-    /// seen.
+    /// A camera at `eye`. `fov_y` is the vertical angle of the picture in radians, `size` its width and
+    /// height in pixels; points nearer than the depth `near` or farther than `far` are not seen.
     ///
     /// # Errors
-    ///
     /// [`CameraError`] names the parameter at fault.
     pub fn look_at(
         eye: Vec3,

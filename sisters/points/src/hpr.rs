@@ -61,7 +61,6 @@ pub enum HprError {
 /// Costs the hull, `O(n log n)` on usual inputs, and about 155 bytes for each point.
 ///
 /// # Errors
-///
 /// [`HprError`] names the point or the value at fault.
 pub fn visible_points(points: &[DVec3], eye: DVec3, log10_radius: f64) -> Result<BitVec, HprError> {
     let count = points.len();
@@ -98,9 +97,7 @@ pub fn visible_points(points: &[DVec3], eye: DVec3, log10_radius: f64) -> Result
     let flipped: Vec<DVec3> = points.iter().map(flip_one).chain([DVec3::ZERO]).collect();
     let mut visible = extreme_points(&flipped);
     visible.truncate(count);
-    for (mut visible, image) in visible.iter_mut().zip(&flipped) {
-        *visible |= *image == DVec3::ZERO;
-    }
+    visible.iter_mut().zip(&flipped).for_each(|(mut visible, image)| *visible |= *image == DVec3::ZERO);
     Ok(visible)
 }
 

@@ -1,5 +1,4 @@
-//! All floating-point margins and factors of the crate, each with its reason, and the exact
-//! predicates.
+//! All floating-point margins and factors of the crate, each with its reason, and the exact predicates.
 //!
 //! The predicates are Shewchuk's (1997, "Adaptive Precision Floating-Point Arithmetic and Fast
 //! Robust Geometric Predicates"), from the crate `robust`. They are exact as long as nothing over-
@@ -16,24 +15,21 @@ const FINE: f64 = FINEST * (1_u64 << 53) as f64;
 /// the exact predicates need it.
 const FINEST: f64 = 1.0 / ((1_u128 << 80) as f64 * (1_u128 << 80) as f64);
 
-/// The rounding error of `normal * p - offset`, for coordinates within ±2, in units of the product
-/// of the two edges' largest coordinates. A component of the normal is off by 8 units of 2^-53 (two
-/// products of rounded differences, and their difference); the three products and their sum add 18;
-/// the offset has the same error again: 84 units for coordinates within ±1, twice as many within
-/// ±2, below these 256.
+/// The rounding error of `normal * p - offset`, for coordinates within ±2, in units of the product of the two
+/// edges' largest coordinates. A component of the normal is off by 8 units of 2^-53 (two products of rounded
+/// differences, and their difference); the three products and their sum add 18; the offset has the same error
+/// again: 84 units for coordinates within ±1, twice as many within ±2, below these 256.
 pub(crate) const PLANE_ERROR: f64 = 128.0 * f64::EPSILON;
 
-/// Points nearer to the eye than this fraction of the largest distance count as at the eye: the
-/// squares of their coordinates are near the smallest that a double can hold, so they have no
-/// direction.
+/// Points nearer to the eye than this fraction of the largest distance count as at the eye: the squares of
+/// their coordinates are near the smallest that a double can hold, so they have no direction.
 pub(crate) const AT_EYE: f64 = 1e-150;
 
 /// Positions in a picture are whole multiples of 1/256 of a pixel, as in graphics processors: sums
 /// of them are exact, so that a square has the same pixels wherever it is computed.
 pub(crate) const SUBPIXELS: u32 = 256;
 
-/// A float of at least 2^15 and below 2^16 is a multiple of 1/256, so that adding this one rounds
-/// to these.
+/// A float of at least 2^15 and below 2^16 is a multiple of 1/256, so that adding this one rounds to these.
 const ROUNDS_TO_SUBPIXELS: f32 = 49152.0;
 
 /// A position in pixels, rounded to 1/256 of a pixel; those below -1 and above 16383 become these.
@@ -64,9 +60,8 @@ pub(crate) fn unit(normal: Vec3) -> Vec3 {
     if normal.is_normalized() { normal } else { normal.as_dvec3().normalize_or_zero().as_vec3() }
 }
 
-/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6
-/// and 1 it had the fewest errors in the streets that the viewer of commit 4aa26696 makes, with the
-/// thesis' bias of 0.05.
+/// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6 and 1 it had
+/// the fewest errors in the streets that the viewer of commit 4aa26696 makes, with the thesis' bias of 0.05.
 #[cfg(feature = "bricks")]
 pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
 
@@ -101,8 +96,7 @@ pub(crate) fn power_of_two_for(largest: f64) -> f64 {
     (-exponent).exp2()
 }
 
-/// A point multiplied by a power of two, with tiny coordinates rounded so that the predicates are
-/// exact.
+/// A point multiplied by a power of two, with tiny coordinates rounded so that the predicates are exact.
 pub(crate) fn normalized(point: DVec3, scale: f64) -> DVec3 {
     let fine = |x: f64| if x.abs() < FINE { (x / FINEST).round_ties_even() * FINEST } else { x };
     DVec3::from((point * scale).to_array().map(fine))

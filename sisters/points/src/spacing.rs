@@ -6,7 +6,7 @@
 
 use crate::splat::SplatError;
 use glam::Vec3;
-use nabo::{KDTree, NotNan, Point};
+use nabo::{CandidateContainer, KDTree, NotNan, Parameters, Point};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -39,12 +39,10 @@ const MOST_OF_A_BOX: usize = 8 * POINTS_OF_A_BOX;
 /// One radius for all points: half the distance to the sixth nearest neighbour that 95 percent of
 /// points do not exceed; 0 for less than two places.
 ///
-/// For clouds of even density. Of more than half a million points it looks only at those in 64
-/// small boxes around random points, so that it takes a pass over the points for each of them.
-/// The same in every run.
+/// For clouds of even density. Of more than half a million points it looks only at those in 64 small boxes
+/// around random points, so that it takes a pass over the points for each of them. The same in every run.
 ///
 /// # Errors
-///
 /// [`SplatError::PointNotFinite`].
 pub fn automatic_radius(points: &[Vec3]) -> Result<f32, SplatError> {
     if let Some(index) = points.par_iter().position_first(|p| !p.is_finite()) {
@@ -98,9 +96,8 @@ fn compare(a: &Vec3, b: &Vec3) -> Ordering {
 fn some(points: &[Vec3], count: usize, random: &mut Pcg64Mcg) -> Vec<Vec3> {
     let count = count.min(points.len());
     let stretch = points.len() as f64 / count as f64;
-    (0..count)
-        .map(|i| points[((i as f64 + random.random::<f64>()) * stretch) as usize % points.len()])
-        .collect()
+    let mut at = |i: usize| ((i as f64 + random.random::<f64>()) * stretch) as usize % points.len();
+    (0..count).map(|i| points[at(i)]).collect()
 }
 
 /// The points of a cloud by place, at most 2^30.
@@ -133,7 +130,10 @@ impl Neighbours {
 
     /// The nearest points to one of them, nearest first, but for itself.
     pub fn of(&self, point: Vec3, count: u32) -> impl Iterator<Item = u32> {
-        let nearest = self.0.knn(count + 1, &Place::new(point)).into_iter();
+        let (all, place) = (CandidateContainer::Linear, Place::new(point));
+        let (epsilon, max_radius) = (0.0, f64::INFINITY);
+        let how = Parameters { epsilon, max_radius, allow_self_match: true, sort_results: true };
+        let nearest = self.0.knn_advanced(count + 1, &place, all, &how, None).into_iter();
         nearest.filter(|neighbour| neighbour.dist2.into_inner() > 0.0).map(|neighbour| neighbour.index)
     }
 }
@@ -186,11 +186,10 @@ impl Near {
         let mut points = points.to_vec();
         points.par_sort_unstable_by(compare);
         points.dedup();
-        let places: Vec<Place> = points.iter().map(|&p| Place::new(p)).collect();
-        if places.len() < 2 {
+        if points.len() < 2 {
             return Vec::new();
         }
-        let tree = KDTree::new(&places);
+        let Neighbours(tree) = Neighbours::new(points.iter().copied());
         let distance = |p: Vec3| {
             // The nearest is the place itself.
             let last = tree.knn(NEIGHBOUR + 1, &Place::new(p)).last().map_or(0.0, |last| last.dist2.sqrt());

@@ -1,12 +1,12 @@
 //! Damaged and hostile files give errors, and cost memory and time in proportion to their bytes.
 
-use std::io::Cursor;
-use std::sync::{Arc, Mutex, PoisonError};
-
 use casca_points::PointCloud;
 use casca_points::bricks::{Bricks, Loader, Want};
 use casca_points::files::{FileError, read_source};
+use laz::encoders::ArithmeticEncoder;
 use peak_alloc::PeakAlloc;
+use std::io::Cursor;
+use std::sync::{Arc, Mutex, PoisonError};
 
 #[path = "../../../tests/damage/mod.rs"]
 mod damage;
@@ -189,11 +189,7 @@ impl<W: std::io::Write> laz::record::FieldCompressor<W> for Times {
         into.write_all(bytes)
     }
 
-    fn compress_with(
-        &mut self,
-        encoder: &mut laz::encoders::ArithmeticEncoder<W>,
-        _: &[u8],
-    ) -> std::io::Result<()> {
+    fn compress_with(&mut self, encoder: &mut ArithmeticEncoder<W>, _: &[u8]) -> std::io::Result<()> {
         for _ in 0..self.references.pop().unwrap_or(0) {
             encoder.encode_symbol(&mut self.model, 5)?;
         }

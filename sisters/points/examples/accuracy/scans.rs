@@ -9,9 +9,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::{PI, TAU};
 
-/// A scene, the places of scanners, and numbers: the angle between rays, in degrees, the deviation
-/// of ranges, in metres, and points between two surfaces, and in the air or behind walls, as parts
-/// of all points.
+/// A scene, the places of scanners, and numbers: the angle between rays, in degrees, the deviation of ranges,
+/// in metres, and points between two surfaces, and in the air or behind walls, as parts of all points.
 pub type Plan = (Scene, Vec<Vec3>, [f32; 4]);
 
 /// How low scanners see, in parts of a half turn from straight up.

@@ -146,8 +146,7 @@ const PARTS: [([f32; 3], [f32; 3], f32); 10] = [
     ([-0.5, 0.05, 0.5], [0.1, 0.0, 0.52], 0.16),
 ];
 
-/// The distance from the hare's surface, negative inside; exact but where parts flow into each
-/// other.
+/// The distance from the hare's surface, negative inside; exact but where parts flow into each other.
 fn distance(p: Vec3) -> f32 {
     let p = Vec3::new(p.x, p.y, p.z.abs());
     let part = |(from, to, radius): ([f32; 3], [f32; 3], f32)| {

@@ -2,11 +2,9 @@
 
 use crate::scenes::Scene;
 use glam::{DVec3, Vec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::ray::{Ray, RayHit};
+use obvhs::{BvhBuildParams, aabb::Aabb};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -29,8 +27,7 @@ pub fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
 /// from each other.
 pub fn sample(scene: &Scene, count: usize) -> Vec<Sample> {
     let mut random = Pcg64Mcg::seed_from_u64(11);
-    let mut sum = 0.0;
-    let mut areas = Vec::new();
+    let (mut sum, mut areas) = (0.0, Vec::new());
     for [a, b, c] in &scene.triangles {
         sum += f64::from((b - a).cross(c - a).length()) / 2.0;
         areas.push(sum);

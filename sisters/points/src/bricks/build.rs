@@ -4,19 +4,17 @@
 //! written, then merged. The merged points are cut at the largest cells of an octree that hold at
 //! most as many points as a brick may.
 
+use super::BrickError;
+use super::file::{BrickPoint, HEADER, Header, MOST, POINT};
+use super::order::{BITS, arrange, code};
+use crate::PointCloud;
+use glam::Vec3;
+use rayon::slice::ParallelSliceMut;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-
-use glam::Vec3;
-use rayon::slice::ParallelSliceMut;
-
-use super::BrickError;
-use super::file::{BrickPoint, HEADER, Header, MOST, POINT};
-use super::order::{BITS, arrange, code};
-use crate::PointCloud;
 
 /// The most runs: each needs an open file.
 const RUNS: u64 = 256;
@@ -64,8 +62,7 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// Begins a file. Beside it, files that end in `.raw` and `.runs` are written and removed
-    /// again.
+    /// Begins a file. Beside it, files that end in `.raw` and `.runs` are written and removed again.
     ///
     /// # Errors
     /// Those of the file system.
@@ -101,8 +98,7 @@ impl Builder {
         Ok(())
     }
 
-    /// Sorts the points and writes the bricks. `progress` gets the steps done and all steps, two a
-    /// point.
+    /// Sorts the points and writes the bricks. `progress` gets the steps done and all steps, two a point.
     ///
     /// # Errors
     /// Those of the file system.
@@ -119,8 +115,7 @@ impl Builder {
         drop(scratch);
         let mut merge = named(&runs.0, Merge::new(&runs.0, header.points, length, code))?;
         let mut out = named(&target, create(&target))?;
-        let mut index = Vec::new();
-        let mut first = 0;
+        let (mut index, mut first) = (Vec::new(), 0);
         named(&target, out.write_all(&[0; HEADER as usize]))?;
         let most = options.most_points.clamp(1, MOST) as usize;
         while let Some(mut points) = named(&runs.0, merge.brick(most))? {
@@ -171,8 +166,7 @@ fn sort(
     mut progress: impl FnMut(u64),
 ) -> io::Result<()> {
     let (mut from, mut to) = (BufReader::with_capacity(BUFFER, File::open(from)?), create(to)?);
-    let mut run = Vec::new();
-    let mut done = 0;
+    let (mut run, mut done) = (Vec::new(), 0);
     loop {
         let point = next(&mut from)?;
         run.extend(point.map(|p| (code(&p), p)));

@@ -5,17 +5,15 @@
 //! (3 f32), red, green, blue, 0. Then 64 bytes for each brick, in the order of their points: least
 //! and greatest corner (6 f32), and the points of each level (10 u32), of which the last is all.
 
+use super::BrickError;
+use crate::Camera;
+use casca::{Aabb, ObjectDesc, ObjectId, Scene};
+use glam::{DVec3, Vec3};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
-
-use casca::{Aabb, ObjectDesc, ObjectId, Scene};
-use glam::{DVec3, Vec3};
-
-use super::BrickError;
-use crate::Camera;
 
 /// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256
 /// cells along its longest edge, and all.
@@ -142,8 +140,7 @@ pub struct Want {
     pub points: u32,
 }
 
-/// An open file of bricks. Coordinates of bricks, points and the scene are relative to
-/// [`Bricks::origin`].
+/// An open file of bricks. Coordinates of bricks, points and the scene are relative to [`Bricks::origin`].
 #[derive(Debug)]
 pub struct Bricks {
     pub(super) name: String,
@@ -180,8 +177,7 @@ impl Bricks {
         let mut bytes = vec![0; (bricks * ENTRY) as usize];
         file.seek(SeekFrom::Start(points_end as u64)).map_err(io)?;
         file.read_exact(&mut bytes).map_err(io)?;
-        let mut first = 0;
-        let mut index = Vec::with_capacity(bricks as usize);
+        let (mut first, mut index) = (0, Vec::with_capacity(bricks as usize));
         for (number, entry) in bytes.chunks_exact(ENTRY as usize).enumerate() {
             let nonsense = || broken(format!("the bounds or counts of brick {number} make no sense"));
             index.push(Brick::from_bytes(entry, first).ok_or_else(nonsense)?);

@@ -1,15 +1,14 @@
 //! Points of bricks, loaded by a thread into a budget of memory.
 
+use super::BrickError;
+use super::file::{BrickPoint, Bricks, Want};
+use crate::PointCloud;
+use crate::numeric::SQUARE_OF_SPACING;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
-
-use super::BrickError;
-use super::file::{BrickPoint, Bricks, Want};
-use crate::PointCloud;
-use crate::numeric::SQUARE_OF_SPACING;
 
 /// Loads the first points of wanted bricks, nearest first, and evicts the least recently wanted. No
 /// call but [`Loader::settle`] waits for the disk: the others use the points that are loaded, and
@@ -117,9 +116,8 @@ impl Loader {
         self.shared.lock().points
     }
 
-    /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an
-    /// operator or a picture. Radii are half the sides of squares that close most gaps, as
-    /// [`crate::splat`] takes them.
+    /// The loaded points of some bricks, at most as many as wanted of each, as a cloud for an operator or a
+    /// picture. Radii are half the sides of squares that close most gaps, as [`crate::splat`] takes them.
     pub fn gather(&self, wants: &[Want]) -> PointCloud {
         let bricks = &self.shared.bricks;
         let parts: Vec<_> = {

@@ -4,13 +4,12 @@
 //! Generation for Massive Point Clouds"), but with random points: each occupied cell of the
 //! coarsest grid gives one point, then each of the next grid that has given none, and so on.
 
+use super::file::{Brick, BrickPoint, LEVELS};
+use crate::numeric::morton;
 use casca::Aabb;
 use glam::Vec3;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
-
-use super::file::{Brick, BrickPoint, LEVELS};
-use crate::numeric::morton;
 
 /// Bits of a coordinate in the codes that bricks are cut by.
 pub(super) const BITS: u32 = 21;
@@ -53,9 +52,7 @@ pub(super) fn arrange(points: &mut Vec<BrickPoint>, first: u64) -> Brick {
         }
     }
     items.sort_unstable_by_key(|item| (item.level, item.priority));
-    for item in &items {
-        brick.counts[item.level] += 1;
-    }
+    items.iter().for_each(|item| brick.counts[item.level] += 1);
     for level in 1..LEVELS {
         brick.counts[level] += brick.counts[level - 1];
     }

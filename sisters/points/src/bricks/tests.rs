@@ -1,17 +1,15 @@
 //! Bricks hold the points, files that are broken give errors, and hidden bricks cost nothing.
 
-use std::fs;
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use casca::{Aabb, ObjectDesc, Query, Scene, View};
-use glam::{DVec3, Vec3};
-use tempfile::TempDir;
-
 use super::file::LEVELS;
 use super::*;
 use crate::samples::sphere;
 use crate::{Camera, PointCloud};
+use casca::{Aabb, ObjectDesc, Query, Scene, View};
+use glam::{DVec3, Vec3};
+use std::fs;
+use std::path::PathBuf;
+use std::sync::Arc;
+use tempfile::TempDir;
 
 /// Points on a sphere of radius 10, a fifth of them doubled, and 50 times the same one far away.
 fn cloud(count: usize) -> PointCloud {
@@ -48,12 +46,8 @@ fn want(brick: u32, points: u32) -> Want {
 
 /// All points of a brick, as the file has them.
 fn points(bricks: &Bricks, brick: u32) -> Vec<(Vec3, [u8; 3])> {
-    bricks
-        .read(brick, 0..bricks.available(want(brick, u32::MAX)))
-        .unwrap()
-        .iter()
-        .map(|p| (p.position, p.colour))
-        .collect()
+    let all = bricks.read(brick, 0..bricks.available(want(brick, u32::MAX))).unwrap();
+    all.iter().map(|p| (p.position, p.colour)).collect()
 }
 
 #[test]
@@ -191,22 +185,20 @@ fn a_picture_needs_fewer_points_of_far_bricks() {
 fn the_budget_holds_the_nearest_and_the_latest() {
     let (_folder, bricks, ..) = two_bricks(false);
     let loader = Loader::new(bricks, 16 * 500).unwrap();
-    let loaded = |lists: &[&[Want]]| {
-        lists.iter().for_each(|list| {
-            loader.want(list);
-            loader.settle();
-        });
+    let loaded = |list: &[Want]| {
+        loader.want(list);
+        loader.settle();
         assert!(loader.loaded() <= 500);
         [0, 1].map(|brick| loader.gather(&[want(brick, 400)]).len())
     };
-    assert_eq!(loaded(&[&[want(1, 300), want(0, 201), want(99, 5)]]), [0, 300], "the second does not fit");
-    assert_eq!(loaded(&[&[want(1, 100), want(0, 200)]]), [200, 300], "all stays while there is room");
-    assert_eq!(loaded(&[&[want(0, 400), want(1, 100)]]), [400, 100], "more than is wanted is dropped");
-    assert_eq!(loaded(&[&[want(1, 200)]]), [0, 200], "the one that is not wanted is dropped");
-    assert_eq!(loaded(&[&[]]), [0, 200]);
+    assert_eq!(loaded(&[want(1, 300), want(0, 201), want(99, 5)]), [0, 300], "the second does not fit");
+    assert_eq!(loaded(&[want(1, 100), want(0, 200)]), [200, 300], "all stays while there is room");
+    assert_eq!(loaded(&[want(0, 400), want(1, 100)]), [400, 100], "more than is wanted is dropped");
+    assert_eq!(loaded(&[want(1, 200)]), [0, 200], "the one that is not wanted is dropped");
+    assert_eq!(loaded(&[]), [0, 200]);
     // Of a brick that is wanted twice the larger count is loaded.
-    assert_eq!(loaded(&[&[want(1, 100), want(0, 300), want(0, 100)]]), [300, 200]);
-    assert_eq!(loaded(&[&[want(0, 1), want(0, 400), want(1, 100)]]), [400, 100]);
+    assert_eq!(loaded(&[want(1, 100), want(0, 300), want(0, 100)]), [300, 200]);
+    assert_eq!(loaded(&[want(0, 1), want(0, 400), want(1, 100)]), [400, 100]);
 }
 
 #[test]

@@ -3,17 +3,15 @@
 //! Not by its `LasZipDecompressor`: that panics where a table of chunks is too short, and loses the
 //! points before a fault.
 
-use std::io::{Seek, SeekFrom};
-use std::thread;
-use std::vec::IntoIter;
-
-use laz::DecompressionSelection;
-use laz::laszip::ChunkTable;
-use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
-
 use super::head::{Head, Packed};
 use super::layers::{Layers, STACK};
 use super::sink::{PANICKED, Source, guarded, plain};
+use laz::DecompressionSelection;
+use laz::laszip::ChunkTable;
+use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
+use std::io::{Seek, SeekFrom};
+use std::thread;
+use std::vec::IntoIter;
 
 /// Bytes of the first point of a chunk, at least: it is not compressed.
 const LEAST_RECORD: u64 = 20;

@@ -1,13 +1,11 @@
 //! Headers of LAS files, versions 1.0 to 1.4, and the records before their points. Where a header
 //! contradicts the file, the file is right.
 
-use std::io::{self, Read, SeekFrom};
-use std::ops::Range;
-
+use super::sink::{Source, guarded, plain};
 use glam::DVec3;
 use laz::{LazItemRecordBuilder, LazItemType, LazVlr};
-
-use super::sink::{Source, guarded, plain};
+use std::io::{self, Read, SeekFrom};
+use std::ops::Range;
 
 /// Bytes of the longest header, that of version 1.4, and of the shortest.
 const LONGEST: usize = 375;
@@ -98,9 +96,7 @@ pub(super) fn read(source: &mut impl Source) -> Result<Head, String> {
     if packed.is_some() && record != said {
         header.warn(format!("points have {said} bytes in its header, and {record} as they are compressed"));
     } else if packed.is_none() && said < least {
-        header.warn(format!(
-            "points of its format have {least} bytes, in its header {said}: {record} are taken"
-        ));
+        header.warn(format!("its format has {least} bytes a point, its header {said}: {record} are taken"));
     }
     let (count, end) = header.room(start, record, count, packed.is_none());
     let record = record as usize;
@@ -162,9 +158,7 @@ impl Header {
         let room = (next - start) / record;
         if is_plain && count < room && (next - start).is_multiple_of(record) {
             let taken = if count == 0 { room } else { count };
-            self.warn(format!(
-                "its header promises {count} points, and it has room for {room}: {taken} are read"
-            ));
+            self.warn(format!("it promises {count} points, and it has room for {room}: {taken} are read"));
             count = taken;
         }
         (count, if record.saturating_mul(count) > length - start { next } else { length })
@@ -188,9 +182,7 @@ impl Header {
     fn offset(&mut self) -> DVec3 {
         let offset = self.axes(155);
         if !offset.is_finite() {
-            self.warn(format!(
-                "the offset of its points cannot be {offset}: 0 is taken where it is not finite"
-            ));
+            self.warn(format!("the offset of its points is {offset}: 0 is taken where it is not finite"));
         }
         DVec3::select(offset.is_finite_mask(), offset, DVec3::ZERO)
     }
@@ -241,8 +233,7 @@ pub(super) struct Layout {
 /// Bytes of a point behind those of its format, in LAZ: each takes 10 kB in the decoder.
 const MOST_EXTRA_BYTES: u64 = 4096;
 
-/// Checks the parts of compressed points, as the decoder takes memory for each. Gives the bytes of
-/// a point.
+/// Checks the parts of compressed points, as the decoder takes memory for each. Gives the bytes of a point.
 fn check_items(vlr: &LazVlr) -> Result<u64, String> {
     let (mut size, mut extra, mut kinds) = (0, 0, Vec::new());
     for item in vlr.items() {

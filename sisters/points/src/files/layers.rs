@@ -3,10 +3,9 @@
 //! Lengths of layers (LAS 1.4, formats 6 to 10) are checked before it reserves memory for them, and
 //! the depth of the stack before it overflows.
 
+use laz::{LazItemType, LazVlr};
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use std::ops::Range;
-
-use laz::{LazItemType, LazVlr};
 
 /// Bytes of stack that the decoder may have in use when it reads: a time of a point (formats 1 and
 /// 3 to 5) may refer to another sequence of times, that to another, and it recurses on each.
@@ -20,8 +19,7 @@ pub(super) const STACK: usize = 64 << 20;
 /// (u32), and the layers.
 pub(super) struct Layers<S> {
     source: S,
-    /// Where the number of points and the lengths stand in a chunk; nowhere where points are not in
-    /// layers.
+    /// Where the number of points and the lengths stand in a chunk; nowhere where points are not in layers.
     lengths: Range<usize>,
     /// Bytes of this chunk that were read, and those of them that are lengths.
     at: usize,

@@ -1,11 +1,10 @@
 //! LAS and LAZ: compressed points by the crate `laz`. Sizes in a file are checked before it
 //! reserves memory for them.
 
-use glam::DVec3;
-
 use super::chunks::{Batch, Chunks, room};
 use super::head::{self, Layout};
 use super::sink::{Attributes, FileError, Sample, Sink, Source, plain};
+use glam::DVec3;
 
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let head = head::read(&mut source).map_err(|e| sink.header("LAS", e))?;

@@ -14,12 +14,11 @@ mod scans;
 mod sink;
 mod text;
 
+use crate::PointCloud;
+use sink::Sink;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
-
-use crate::PointCloud;
-use sink::Sink;
 use text::unmarked;
 
 pub use ply::PlyWriter;

@@ -1,13 +1,11 @@
 //! PLY (Turk 1994), read in all encodings, and written in little-endian binary.
 
-use std::io::{self, BufRead, Write};
-
-use glam::DVec3;
-
 use super::ply_header::{self, Element, Encoding, Field, Kind};
 use super::sink::{Attributes, FileError, Sample, Sink, Source, plain, unit_to_byte};
 use super::text::{Lines, number};
 use crate::PointCloud;
+use glam::DVec3;
+use std::io::{self, BufRead, Write};
 
 /// Reads the element `vertex`, and all before it.
 pub(super) fn read<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {

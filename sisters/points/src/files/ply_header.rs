@@ -1,10 +1,9 @@
 //! Headers of PLY files, as programs write them: words in any case, blanks anywhere, comments in
 //! any encoding.
 
-use std::io::BufRead;
-
 use super::sink::plain;
 use super::text::Lines;
+use std::io::BufRead;
 
 /// How the elements are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,16 +1,13 @@
 //! E57, by the crate of that name. Sizes in a file are checked before it reserves memory for them.
 
-use std::io::SeekFrom;
-
+use super::sink::{Attributes, FileError, Sample, Sink, Source, guarded, plain, unit_to_byte};
 use e57::{CartesianCoordinate, E57Reader, PointCloud, RecordDataType};
 use glam::DVec3;
-
-use super::sink::{Attributes, FileError, Sample, Sink, Source, guarded, plain, unit_to_byte};
+use std::io::SeekFrom;
 
 /// Attributes of a point, at most: the standard has 20, and extensions add some.
 const MOST_ATTRIBUTES: usize = 64;
-/// Bits of a point, at least: an attribute without bits costs 16 bytes of memory a point, a point
-/// 150.
+/// Bits of a point, at least: an attribute without bits costs 16 bytes of memory a point, a point 150.
 const LEAST_BITS: u64 = 8;
 /// Declarations of namespaces, and attributes of an element, at most: the parser of XML compares
 /// each with all others.
@@ -68,8 +65,7 @@ fn check_xml(source: &mut impl Source) -> Result<u64, String> {
     }
     let xml = E57Reader::raw_xml(&mut *source).map_err(plain)?;
     let spaces = xml.windows(5).filter(|w| w == b"xmlns").count();
-    // No value of an attribute holds a `<`. Texts are counted too, but those of marked sections are
-    // not.
+    // No value of an attribute holds a `<`. Texts are counted too, but those of marked sections are not.
     let is_text = |part: &[u8]| part.starts_with(b"![CDATA[") || part.starts_with(b"!--");
     let parts = xml.split(|&b| b == b'<').filter(|part| !is_text(part));
     let attributes = parts.map(|part| part.iter().filter(|&&b| b == b'=').count()).max().unwrap_or(0);

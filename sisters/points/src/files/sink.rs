@@ -1,12 +1,10 @@
 //! The points of a file on their way into chunks, and the errors of files.
 
+use crate::{PointCloud, numeric};
+use glam::{DVec3, Vec3};
 use std::fmt::Display;
 use std::io::{self, BufRead, Seek};
 use std::panic::{self, AssertUnwindSafe};
-
-use glam::{DVec3, Vec3};
-
-use crate::{PointCloud, numeric};
 
 /// Why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -113,19 +111,10 @@ pub(super) struct Sink<'a, E> {
 
 impl<'a, E: From<FileError>> Sink<'a, E> {
     pub fn new(name: String, most: usize, each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>) -> Self {
-        Self {
-            name,
-            most: most.max(1),
-            chunk: PointCloud::default(),
-            origin: None,
-            first: Vec::new(),
-            read: 0,
-            lost: 0,
-            loss: None,
-            report: Report::default(),
-            colour_shift: None,
-            each,
-        }
+        let (most, chunk, report, first) =
+            (most.max(1), PointCloud::default(), Report::default(), Vec::new());
+        let (origin, read, lost, loss, colour_shift) = (None, 0, 0, None, None);
+        Self { name, most, chunk, origin, first, read, lost, loss, report, colour_shift, each }
     }
 
     pub fn push(&mut self, sample: Sample, has: Attributes) -> Result<(), E> {

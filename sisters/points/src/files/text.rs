@@ -1,5 +1,4 @@
-//! Text as programs write it: lines that end in any way, in any encoding, and words in the place
-//! of numbers.
+//! Text as programs write it: lines that end in any way, in any encoding, and words in the place of numbers.
 
 use std::io::{self, BufRead, Read};
 

@@ -1,21 +1,19 @@
 //! Surface splatting on the graphics processor: a [`SurfelRenderer`] draws points as discs that blend
 //! into a closed surface. The device comes from `casca_stage::gpu::Gpu`.
 //!
-//! Tavares 2009, chapter 4, in the form of Zwicker, Pfister, van Baar & Gross 2001, "Surface
-//! Splatting", and Botsch & Kobbelt 2003, "High-Quality Point-Based Rendering on Modern GPUs": a
-//! visibility pass into depth, a pass that adds colours with Gaussian weights, and a pass that
-//! divides by the sum of weights. The thesis leaves the last one out, so that its pictures depend
-//! on the order.
+//! Tavares 2009, chapter 4, in the form of Zwicker, Pfister, van Baar & Gross 2001, "Surface Splatting", and
+//! Botsch & Kobbelt 2003, "High-Quality Point-Based Rendering on Modern GPUs": a visibility pass into depth,
+//! a pass that adds colours with Gaussian weights, and a pass that divides by the sum of weights. The thesis
+//! leaves the last one out, so that its pictures depend on the order.
 
+use crate::Camera;
 use bytemuck::{Pod, Zeroable};
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::kernel::{among, bind, filled};
 use casca_stage::wgpu::util::{BufferInitDescriptor, DeviceExt};
-use casca_stage::wgpu::{self, BufferUsages, TextureFormat, vertex_attr_array};
+use casca_stage::wgpu::{self, BufferUsages, Color, TextureFormat, vertex_attr_array};
 use glam::Vec3;
-
-use crate::Camera;
 
 /// Sums of colours and weights. Adapters need not blend larger floats.
 const SUMS: TextureFormat = TextureFormat::Rgba16Float;
@@ -28,8 +26,7 @@ pub struct Surfel {
     pub position: [f32; 3],
     /// Its radius, in the units of the position.
     pub radius: f32,
-    /// The normal of the surface, of length 1; a disc without one, of zeros, faces the eye and has
-    /// no back.
+    /// The normal of the surface, of length 1; a disc without one, of zeros, faces the eye and has no back.
     pub normal: [f32; 3],
     /// Red, green, blue; the fourth is not used.
     pub colour: [u8; 4],
@@ -45,7 +42,6 @@ impl Surfels {
     /// Copies discs to the device. Those with numbers that are not finite are not drawn.
     ///
     /// # Errors
-    ///
     /// The device has no room.
     pub fn new(gpu: &Gpu, surfels: &[Surfel]) -> Result<Self, GpuError> {
         let is_good = |s: &&Surfel| {
@@ -62,8 +58,7 @@ impl Surfels {
 pub struct Style {
     /// What radii are multiplied by. With 0 each disc is a dot of the least size.
     pub scale: f32,
-    /// The least radius of a disc in pixels. About 0.7 leaves no gaps in surfaces that are far
-    /// away.
+    /// The least radius of a disc in pixels. About 0.7 leaves no gaps in surfaces that are far away.
     pub least_pixels: f32,
     /// How far discs may be behind the nearest one and still blend with it, in units of the world;
     /// about a radius.
@@ -142,32 +137,24 @@ impl SurfelRenderer {
     ///
     /// The order of the discs of a pane does not matter, but for the rounding of sums: their
     /// precision is 1/2048. Each disc is drawn twice, with four corners.
-    pub fn draw(
-        &self,
-        gpu: &Gpu,
-        target: &Target,
-        camera: &Camera,
-        background: wgpu::Color,
-        panes: &[Pane<'_>],
-    ) {
+    pub fn draw(&self, gpu: &Gpu, target: &Target, camera: &Camera, background: Color, panes: &[Pane<'_>]) {
         let ((width, height), (w, h)) = (target.size(), camera.size());
         let within = |pane: &&Pane| {
             let (x, y) = pane.corner;
             x <= width && w <= width - x && y <= height && h <= height - y
         };
+        let (label, usage) = (None, BufferUsages::UNIFORM);
         let lens = |pane: &Pane| {
-            gpu.device.create_buffer_init(&BufferInitDescriptor {
-                label: None,
-                contents: bytemuck::bytes_of(&Lens::new(camera, &pane.style)),
-                usage: BufferUsages::UNIFORM,
-            })
+            let lens = Lens::new(camera, &pane.style);
+            let contents = bytemuck::bytes_of(&lens);
+            gpu.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage })
         };
         let panes: Vec<_> = panes.iter().filter(within).map(|pane| (pane, lens(pane))).collect();
         let sums = gpu.texture((width, height), SUMS).create_view(&Default::default());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let passes = [
             (&self.surface, None, Some(wgpu::LoadOp::Clear(0.0))),
-            (&self.weighted, Some((&sums, wgpu::Color::TRANSPARENT)), Some(wgpu::LoadOp::Load)),
+            (&self.weighted, Some((&sums, Color::TRANSPARENT)), Some(wgpu::LoadOp::Load)),
             (&self.mean, Some((&target.colour, background)), None),
         ];
         for (pipeline, colour, depth) in passes {
@@ -222,11 +209,8 @@ fn pipeline(
         step_mode: wgpu::VertexStepMode::Instance,
         attributes: &attributes,
     });
-    let target = colour.map(|(format, blend)| wgpu::ColorTargetState {
-        format,
-        blend,
-        write_mask: wgpu::ColorWrites::ALL,
-    });
+    let (write_mask, topology) = (wgpu::ColorWrites::ALL, wgpu::PrimitiveTopology::TriangleStrip);
+    let target = colour.map(|(format, blend)| wgpu::ColorTargetState { format, blend, write_mask });
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
         layout: None,
@@ -236,10 +220,7 @@ fn pipeline(
             compilation_options: Default::default(),
             buffers: if surfels.is_some() { std::slice::from_ref(&surfels) } else { &[] },
         },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
+        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
         depth_stencil: depth.map(|write| wgpu::DepthStencilState {
             format: DEPTH,
             depth_write_enabled: Some(write),

@@ -4,7 +4,6 @@ use super::*;
 use crate::samples::sphere;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::COLOUR;
-use casca_stage::wgpu::Color;
 
 const BLUE: [u8; 4] = [0, 0, 200, 255];
 const STYLE: Style = Style { scale: 1.0, least_pixels: 0.7, offset: 0.1, lit: false };

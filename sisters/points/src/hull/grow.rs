@@ -40,8 +40,7 @@ impl Face {
         Self { normal, offset, error, far_height, corners, neighbours, first, far, mark }
     }
 
-    /// Positive if a point is strictly above the plane, zero on it, negative below; the sign is
-    /// exact.
+    /// Positive if a point is strictly above the plane, zero on it, negative below; the sign is exact.
     #[inline]
     fn height(&self, points: &[DVec3], p: DVec3) -> f64 {
         let height = self.normal.dot(p) - self.offset;
@@ -53,18 +52,16 @@ impl Face {
     }
 }
 
-/// The extreme points of points of which four, the fourth below the first three, are not in a
-/// plane.
+/// The extreme points of points of which four, the fourth below the first three, are not in a plane.
 pub(super) fn extreme(points: &[DVec3], simplex: [u32; 4]) -> BitVec {
     let mut hull = Hull::new(points, simplex);
     hull.grow();
     hull.extreme()
 }
 
-/// This part of the points is added all around before the hull is finished place by place, which is
-/// faster as a place is in the processor's caches. Without it, one place can be finished while its
-/// neighbours have huge faces, and each point of these meets most faces of the place: quadratic
-/// time for points on two curves.
+/// This part of the points is added all around before the hull is finished place by place, which is faster as
+/// a place is in the processor's caches. Without it, one place can be finished while its neighbours have huge
+/// faces, and each point of these meets most faces of the place: quadratic time for points on two curves.
 const BREADTH_FIRST_PART: usize = 32;
 
 /// An edge of the border between the faces below a new point and the others.
@@ -87,8 +84,7 @@ struct Hull<'a> {
     pending: VecDeque<u32>,
     /// The next point of the list in which a point is.
     next: Vec<u32>,
-    /// The new face whose border edge begins at a point; only read for corners of the current
-    /// border.
+    /// The new face whose border edge begins at a point; only read for corners of the current border.
     begins: Vec<u32>,
     /// Points at the place of a corner, and that corner.
     twins: Vec<(u32, u32)>,
@@ -135,8 +131,7 @@ impl<'a> Hull<'a> {
         }
     }
 
-    /// Puts a point into the list of a fresh face that it is above; if there is none, it is within
-    /// the hull.
+    /// Puts a point into the list of a fresh face that it is above; if there is none, it is within the hull.
     fn put(&mut self, p: u32) {
         let point = self.points[p as usize];
         let height = |id: u32| self.faces[id as usize].height(self.points, point);
@@ -174,12 +169,10 @@ impl<'a> Hull<'a> {
         self.pending.extend(self.fresh.iter().filter(|&&id| faces[id as usize].first != NONE));
     }
 
-    /// Finds all faces below a point, beginning with one, and the edges between them and the
-    /// others.
+    /// Finds all faces below a point, beginning with one, and the edges between them and the others.
     ///
-    /// The faces below are one disc with one border, whether or not they include those whose plane
-    /// holds the point. They do not, so that a point in the plane of a large facet does not cut it
-    /// anew.
+    /// The faces below are one disc with one border, whether or not they include those whose plane holds the
+    /// point. They do not, so that a point in the plane of a large facet does not cut it anew.
     fn find_border(&mut self, face: u32, p: u32) {
         let (points, point) = (self.points, self.points[p as usize]);
         self.border.clear();
@@ -232,8 +225,7 @@ impl<'a> Hull<'a> {
 
     /// The corners at which at least three faces of different planes meet.
     ///
-    /// Others lie in a facet or on an edge: they were corners until a point was added to their
-    /// plane.
+    /// Others lie in a facet or on an edge: they were corners until a point was added to their plane.
     fn extreme(&self) -> BitVec {
         let mut edges = vec![0_u8; self.points.len()];
         for face in self.faces.iter().filter(|face| face.mark != NONE) {

@@ -6,13 +6,11 @@
 
 mod grow;
 
+use crate::numeric::{above, morton, normalized, power_of_two_for, turn};
 use bitvec::vec::BitVec;
 use glam::DVec3;
 
-use crate::numeric::{above, morton, normalized, power_of_two_for, turn};
-
-/// The largest number of points. Faces are counted with 32 bits, and a hull has up to two for each
-/// point.
+/// The largest number of points. Faces are counted with 32 bits, and a hull has up to two for each point.
 pub(crate) const MAX_POINTS: usize = 1 << 30;
 
 /// A bit for each point: whether it is an extreme point of the convex hull of all.
@@ -22,10 +20,9 @@ pub(crate) const MAX_POINTS: usize = 1 << 30;
 /// have the same bit. Flat, collinear and equal points are no errors: they have the corners of
 /// their polygon, the two ends, and all points.
 ///
-/// The answer is exact for the given coordinates, except those below 2^-107 of the largest one:
-/// these are rounded to multiples of 2^-160 of it. It takes `O(n log n)` on usual inputs, also on
-/// those with facets, but quadratic time can be made up, such as by two circles; and about 125 bytes
-/// for each point.
+/// The answer is exact for the given coordinates, except those below 2^-107 of the largest one: these are
+/// rounded to multiples of 2^-160 of it. It takes `O(n log n)` on usual inputs, also on those with facets,
+/// but quadratic time can be made up, such as by two circles; and about 125 bytes for each point.
 ///
 /// Coordinates must be finite, and points at most [`MAX_POINTS`].
 pub(crate) fn extreme_points(points: &[DVec3]) -> BitVec {

@@ -124,8 +124,7 @@ fn all_points_of_a_paraboloid_over_a_grid_are_extreme() {
 
 #[test]
 fn whole_points_of_a_sphere_are_extreme_and_twice_the_same() {
-    // 25 * 13 * 17 is a sum of three squares in many ways: many facets have more than three
-    // corners.
+    // 25 * 13 * 17 is a sum of three squares in many ways: many facets have more than three corners.
     let sphere: Vec<Point> =
         grid(151).iter().map(|p| sub(*p, [75; 3])).filter(|&p| dot(p, p) == 5525).collect();
     assert!(sphere.len() > 400, "{}", sphere.len());

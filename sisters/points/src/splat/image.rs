@@ -54,10 +54,9 @@ impl DepthImage {
     /// For limits of depth: the least inverse depth of a visible point in a pixel of a surface that
     /// slants, whose squares have this half side beyond the first pixel in 1/256 of one.
     ///
-    /// Inverse depths of a plane are linear in the picture. Squares raise those of each pixel by
-    /// the largest of its surface within half a square: by as much as a plane rises over that on
-    /// both axes together. The pixels that are compared are a square apart, so that they have
-    /// different points.
+    /// Inverse depths of a plane are linear in the picture. Squares raise those of each pixel by the largest
+    /// of its surface within half a square: by as much as a plane rises over that on both axes together. The
+    /// pixels that are compared are a square apart, so that they have different points.
     pub(super) fn slanted(&self, x: i32, y: i32, half: i32) -> f32 {
         let step = 2 * half / SUBPIXELS as i32 + 1;
         let inverse = |x: i32, y: i32| {
@@ -81,8 +80,7 @@ impl DepthImage {
     pub(super) fn limits(&self, bias: Bias, far: f32) -> Self {
         let limit = |depth: f32| match bias {
             Bias::World(length) => depth + length,
-            // Window depths are linear in 1 / depth, 1 at the far plane. Behind no square there is
-            // no limit.
+            // Window depths are linear in 1 / depth, 1 at the far plane. Behind no square there is no limit.
             Bias::Window(part) if depth < f32::INFINITY => 1.0 / ((1.0 - part) / depth + part / far),
             Bias::Window(_) => depth,
         };

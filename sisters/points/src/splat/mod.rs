@@ -1,5 +1,4 @@
-//! The splat operator: points are drawn as squares into a depth image, and those behind it are
-//! hidden.
+//! The splat operator: points are drawn as squares into a depth image, and those behind it are hidden.
 //!
 //! Tavares 2009, "Aproximação Eficiente de Visibilidade para Nuvem de Pontos utilizando a GPU",
 //! chapter 5. Here each point is tested; the thesis keeps one for each pixel.
@@ -30,13 +29,11 @@ const TASK: usize = 128 * BLOCK;
 /// near depth or beyond the far one are not visible, and hide nothing. Positions in the picture are
 /// rounded to 1/256 of a pixel.
 ///
-/// Works on all threads of rayon's pool; the answer does not depend on their number. Takes time in
-/// proportion to the points, whatever their radii, and to the pixels times the binary logarithm of
-/// the largest square's side. The memory is an image of 4 bytes a pixel for each doubling of that
-/// side, and a bit for each point.
+/// Works on all threads of rayon's pool; the answer does not depend on their number. Takes time in proportion
+/// to the points, whatever their radii, and to the pixels times the binary logarithm of the largest square's
+/// side. The memory is an image of 4 bytes a pixel for each doubling of that side, and a bit for each point.
 ///
 /// # Errors
-///
 /// [`SplatError`] names the point or the parameter at fault.
 pub fn visible_points(
     points: &[Vec3],
@@ -125,21 +122,15 @@ fn draw(squares: &Squares, points: &[Vec3], first: usize, camera: &Camera, radiu
 }
 
 /// A bit for each point of a block, of which `first` is the first point's index: whether it is not
-/// beyond the limits.
-fn test(
-    limits: &DepthImage,
-    points: &[Vec3],
-    first: usize,
-    camera: &Camera,
-    options: &SplatOptions,
-) -> usize {
+/// beyond `most`.
+fn test(most: &DepthImage, points: &[Vec3], first: usize, camera: &Camera, options: &SplatOptions) -> usize {
     let block = Block::new(points, camera);
     let width = camera.size().0;
     let pixel: [u32; BLOCK] =
         std::array::from_fn(|i| block.y[i] as u32 / SUBPIXELS * width + block.x[i] as u32 / SUBPIXELS);
     let mut bits = 0;
     for (i, &pixel) in pixel.iter().enumerate() {
-        let limit = limits.depths.get(pixel as usize).copied().unwrap_or(0.0);
+        let limit = most.depths.get(pixel as usize).copied().unwrap_or(0.0);
         bits |= usize::from(block.depth[i] <= limit) << i;
     }
     if options.slopes {
@@ -148,7 +139,7 @@ fn test(
             // Those outside have no depth.
             if bits >> i & 1 == 0 && block.depth[i] > 0.0 {
                 let [x, y] = [block.x[i], block.y[i]].map(|v| v / SUBPIXELS as i32);
-                bits |= usize::from(1.0 / block.depth[i] >= limits.slanted(x, y, half)) << i;
+                bits |= usize::from(1.0 / block.depth[i] >= most.slanted(x, y, half)) << i;
             }
         }
     }

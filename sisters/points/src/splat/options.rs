@@ -2,10 +2,9 @@
 
 /// The size of squares: half of a side, in units of the world.
 ///
-/// A square faces the camera, has the depth of its point everywhere, and covers the pixels whose
-/// centres are in it, at least the point's own and at most 1025 in a row. Too small squares let
-/// hidden points show through the gaps between them, too large ones hide visible points beside
-/// silhouettes.
+/// A square faces the camera, has the depth of its point everywhere, and covers the pixels whose centres are
+/// in it, at least the point's own and at most 1025 in a row. Too small squares let hidden points show
+/// through the gaps between them, too large ones hide visible points beside silhouettes.
 ///
 /// The radius `R` of the thesis is scaled by the width of the picture over the vertical angle. It
 /// makes squares of the half side `R * (width / fov_y) / (height / (2 tan(fov_y / 2)))` in the
@@ -65,7 +64,6 @@ impl SplatOptions<'_> {
     /// Whether the parameters serve for so many points. The operators ask by themselves.
     ///
     /// # Errors
-    ///
     /// [`SplatError`] names the parameter at fault.
     pub fn check(&self, count: usize) -> Result<(), SplatError> {
         let good = |radius: f32| radius >= 0.0 && radius.is_finite();

@@ -1,5 +1,4 @@
-//! Squares of one depth each, drawn into a depth image in constant time for each, whatever their
-//! size.
+//! Squares of one depth each, drawn into a depth image in constant time for each, whatever their size.
 //!
 //! The levels are a sparse table (Bender & Farach-Colton 2000, "The LCA Problem Revisited") used
 //! backwards. Level `k` has a depth for each square of `2^k` pixels. Any larger square, up to
@@ -18,8 +17,7 @@ const MOST: f32 = 512.0;
 /// Levels for squares of up to `2 MOST + 1` pixels.
 const LEVELS: usize = 11;
 
-/// The side of a square beyond the first pixel, halved, in 1/256 of a pixel, by the half side in
-/// pixels.
+/// The side of a square beyond the first pixel, halved, in 1/256 of a pixel, by the half side in pixels.
 #[inline(always)]
 pub(super) fn half_side(pixels: f32) -> i32 {
     // A point always covers its own pixel. NaN is the size of points outside the picture.

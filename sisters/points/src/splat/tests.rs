@@ -166,9 +166,8 @@ fn errors_name_the_cause() {
     assert_eq!(find(Radius::Same(0.0), part), Err(SplatError::Bias { bias: part }));
 }
 
-/// A floor, and a cellar a metre below it, up to 50 m away, have a point in each cell of 0.2 m. Of
-/// those in the picture, the part of the floor that is hidden and the part of the cellar that is
-/// visible.
+/// A floor, and a cellar a metre below it, up to 50 m away, have a point in each cell of 0.2 m. Of those in
+/// the picture, the part of the floor that is hidden and the part of the cellar that is visible.
 fn errors_of_floor(slopes: bool) -> [f64; 2] {
     let random = |i: u32| f32::from((i.wrapping_mul(2_654_435_761) >> 16) as u16) / 65536.0;
     let cell = |i: u32| Vec3::new((i % 100) as f32 + random(i), 0.0, (i / 100) as f32 + random(i + 7)) * 0.2;

@@ -1,9 +1,9 @@
 //! Discs from points.
 
-use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS, tree};
+use super::disc::{Disc, Discs, Frame, Margins, PEERS, Packed, rounded, tree};
 use super::error::SurfaceError;
 use super::fan::{self, SECTORS};
-use super::plane::{self, Input, Near};
+use super::plane::{self, Input, NEIGHBOURS, NOBODY, Near};
 use super::rim;
 use super::stray::strays;
 use crate::PointCloud;
@@ -12,9 +12,6 @@ use crate::spacing::{Neighbours, Places, quantile};
 use glam::{Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 use std::f32::consts::PI;
-
-/// Neighbours of a point that are looked at: on a plate, half of them are on its other side.
-const NEIGHBOURS: u32 = 28;
 
 /// The spacing by all neighbours is at most so many times that by the nearest [`FEW`]: a few points
 /// far from all others are no large surface.
@@ -46,9 +43,8 @@ const FARTHEST: f32 = 2.5;
 const OVERHANG: f32 = 0.4;
 /// How far an edge may be from the points on both of its sides.
 const EDGE: f32 = 1.5;
-/// How far from a point the face that it is on may end at a side of its body, how far below the
-/// face the points of that side are at most, and how far along the edge: without and with normals
-/// that are given.
+/// How far from a point the face that it is on may end at a side of its body, how far below the face the
+/// points of that side are at most, and how far along the edge: without and with normals that are given.
 const END: f32 = 2.0;
 const DEEP: f32 = 0.7;
 const ALONG: [f32; 2] = [1.0, 3.0];
@@ -88,32 +84,47 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     let (middle, half) = ((low + high) / 2.0, (high - low).max_element() / 2.0);
     let scale = if half > 0.0 { power_of_two_for(half) / 2.0 } else { 1.0 };
     let unique = Places::new(&cloud.positions);
-    let moved = |p: Vec3| ((p.as_dvec3() - middle) * scale).as_vec3a();
-    let places: Vec<Vec3A> = unique.groups().map(|group| moved(cloud.positions[group[0] as usize])).collect();
-    let mut disc_of = vec![0; cloud.len()];
-    for (disc, group) in unique.groups().enumerate() {
-        group.iter().for_each(|&i| disc_of[i as usize] = disc as u32);
-    }
+    let place = |group: &&[u32]| (cloud.positions[group[0] as usize].as_dvec3() - middle) * scale;
+    let groups: Vec<&[u32]> = unique.groups().collect();
+    let places: Vec<Vec3A> = groups.iter().map(|group| place(group).as_vec3a()).collect();
     let normal = |i: &u32| cloud.normals.get(*i as usize).map_or(Vec3A::ZERO, |&n| unit(n).into());
-    let given = |group: &[u32]| {
+    let given = |group: &&[u32]| {
         let sum: Vec3A = group.iter().map(normal).sum();
         // Two sheets at one place: either side will do.
         sum.try_normalize().unwrap_or_else(|| normal(&group[0]))
     };
-    let normals: Vec<Vec3A> = unique.groups().map(given).collect();
+    let normals: Vec<Vec3A> = groups.iter().map(given).collect();
     let tree_of_places = Neighbours::new(places.iter().map(|p| p.to_vec3()));
     let of = |p: &Vec3A| {
-        tree_of_places.of(p.to_vec3(), NEIGHBOURS).map(|j| (j, places[j as usize] - *p)).collect()
+        let mut all = [NOBODY; NEIGHBOURS];
+        let found = tree_of_places.of(p.to_vec3(), NEIGHBOURS as u32);
+        all.iter_mut().zip(found).for_each(|(one, found)| *one = found);
+        all
     };
-    let near: Vec<Vec<Near>> = places.par_iter().map(of).collect();
-    let spacing = near.iter().map(|near| spacing(near)).collect();
+    let nearest = places.par_iter().map(of).collect();
+    drop(tree_of_places);
     let frame = Frame { middle: middle + cloud.origin, scale };
-    let input = Input { places, normals, near, spacing };
+    let mut input = Input { places, normals, nearest, spacing: Vec::new() };
+    let all = 0..input.places.len();
+    input.spacing = all.clone().into_par_iter().map(|i| spacing(&input.near(i))).collect();
     let margins = margins(&input);
     let planes = planes(&input, &margins);
-    let made = |i: usize| (disc(&input, &planes, &margins, i), peers(&input, &planes, &margins, i));
-    let (discs, peers): (Vec<Disc>, Vec<_>) = (0..input.places.len()).into_par_iter().map(made).unzip();
-    Ok(Discs { tree: tree(&discs), discs, peers, disc_of, margins, frame, show_strays: true })
+    let mut discs = all.clone().into_par_iter().map(|i| disc(&input, &planes, &margins, i)).collect();
+    let oriented = all.clone().all(|i| input.given(i));
+    let all = if oriented { 0..0 } else { all };
+    let peers: Vec<_> = all.into_par_iter().map(|i| peers(&input, &planes, &margins, i)).collect();
+    drop((input, planes));
+    let (tree, order) = tree(&mut discs);
+    let (mut rank, mut disc_of) = (vec![0; order.len()], vec![0; cloud.len()]);
+    for (disc, &i) in order.iter().enumerate() {
+        rank[i as usize] = disc as u32;
+        groups[i as usize].iter().for_each(|&point| disc_of[point as usize] = disc as u32);
+    }
+    let step = |i: u32, j: u32| Some(i64::from(*rank.get(j as usize)?) - i64::from(rank[i as usize]));
+    let close = |i: u32, j: u32| step(i, j).and_then(|step| i16::try_from(step).ok()).unwrap_or(0);
+    let steps = |i: &u32| peers[*i as usize].map(|j| close(*i, j));
+    let peers = if oriented { Vec::new() } else { order.par_iter().map(steps).collect() };
+    Ok(Discs { discs, peers, tree, disc_of, margins, frame, show_strays: true })
 }
 
 /// The side of the square that a point stands for, by its neighbours, nearest first.
@@ -139,7 +150,7 @@ fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
         if all.clone().all(|i| input.given(i)) { Vec::new() } else { rim::normals(input, &normals, margins) };
     let plane = |i: usize| {
         let rim = rims.get(i).copied().flatten().filter(|_| !input.given(i) && !strays[i]);
-        let normal = rim.unwrap_or(normals[i]);
+        let normal = rounded(rim.unwrap_or(normals[i]));
         let rough = plane::rough(&input.around(i), normal, 2.0 * inlier(i));
         Plane { normal, rough, rim: rim.is_some(), stray: strays[i] }
     };
@@ -157,14 +168,8 @@ fn margins(input: &Input) -> Margins {
     let wider = (spacing(0.5) / spacing(DENSEST) / EVEN).powi(2).clamp(1.0, WIDEST);
     let grain = wider * quantile(all.iter().map(|n| n.0).collect(), 0.5) / noise.max(INLIER[0] / INLIER[1]);
     let margin = |[least, by_noise]: [f32; 2]| least.max(by_noise * noise);
-    Margins {
-        inlier: margin(INLIER),
-        layer: margin(LAYER),
-        behind: margin(BEHIND),
-        plate: margin(PLATE),
-        between: margin(BETWEEN),
-        grain,
-    }
+    let [inlier, layer, behind, plate, between] = [INLIER, LAYER, BEHIND, PLATE, BETWEEN].map(margin);
+    Margins { inlier, layer, behind, plate, between, grain }
 }
 
 /// Whether two normals differ by an angle of at least this cosine; their signs may mean nothing.
@@ -173,18 +178,19 @@ fn alike(input: &Input, planes: &[Plane], [i, j]: [usize; 2], least: f32) -> boo
     if input.given(i) && input.given(j) { cosine > least } else { cosine.abs() > least }
 }
 
-fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
+fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Packed {
     let Plane { normal, rough, rim, stray } = planes[i];
     // What is on no surface is beside none.
     let all = if stray { 0.0 } else { input.spacing[i] };
     let at = input.places[i];
-    let (given, reach) = (input.given(i), [0.0; SECTORS]);
+    let (given, reach) = (input.given(i), [0; SECTORS]);
     let mut disc = Disc { at, normal, spacing: all, rough, oriented: given, solid: rim, stray, reach };
     if normal == Vec3A::ZERO {
-        return disc;
+        return disc.pack([0.0; SECTORS]);
     }
+    let neighbours = input.near(i);
     let of = |j: u32| planes[j as usize].normal;
-    let layer: Vec<Vec3A> = input.near[i]
+    let layer: Vec<Vec3A> = neighbours
         .iter()
         .filter(|(j, v)| {
             v.dot(normal).abs() < margins.layer * all.max(v.length()).max(margins.grain)
@@ -197,8 +203,8 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
     let (u, v) = normal.any_orthonormal_pair();
     let near = layer.iter().filter(|p| p.length() < FARTHEST * disc.spacing);
     let flat: Vec<Vec2> = near.map(|p| Vec2::new(p.dot(u), p.dot(v))).collect();
-    disc.reach = fan::reach(&flat, HOLE * disc.spacing);
-    let across: Vec<Side> = input.near[i]
+    let mut reaches = fan::reach(&flat, HOLE * disc.spacing);
+    let across: Vec<Side> = neighbours
         .iter()
         .map(|&(j, v)| (v, of(j), input.given(j as usize) || planes[j as usize].rim))
         .filter(|(_, n, _)| n.dot(normal).abs() < LAYER_TURN)
@@ -210,7 +216,7 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
     };
     let sides: Vec<Side> = across.into_iter().filter(is_side).collect();
     let (along, overhang) = (ALONG[usize::from(given)] * all, OVERHANG * disc.spacing);
-    for (reach, d) in disc.reach.iter_mut().zip(fan::DIRECTIONS) {
+    for (reach, d) in reaches.iter_mut().zip(fan::DIRECTIONS) {
         let direction = u * d.x + v * d.y;
         let mut most = *reach;
         if most == 0.0 {
@@ -223,11 +229,10 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
             Some((far, _)) => far,
         };
     }
-    disc
+    disc.pack(reaches)
 }
 
-/// How far it is in a direction to the first of the planes of neighbours that meets it near the
-/// neighbour.
+/// How far it is in a direction to the first of the planes of neighbours that meets it near the neighbour.
 fn edge(direction: Vec3A, across: &[Side], most: f32) -> Option<f32> {
     let meets = across.iter().filter_map(|(v, normal, _)| {
         let far = normal.dot(*v) / normal.dot(direction);
@@ -254,7 +259,7 @@ fn peers(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> [u32; 
     if input.given(i) {
         return peers;
     }
-    let near = input.near[i].iter().filter(|(j, v)| {
+    let near = input.near(i).into_iter().filter(|(j, v)| {
         alike(input, planes, [i, *j as usize], PEER_TURN)
             && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i].max(margins.grain)
             && v.length() < PEER * input.spacing[i]

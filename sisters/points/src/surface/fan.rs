@@ -53,18 +53,18 @@ pub(super) const DIRECTIONS: [Vec2; SECTORS] = {
 
 /// Whether the polygon that reaches so far in each of the [`DIRECTIONS`] covers a place.
 #[inline]
-pub(super) fn covers(reach: &[f32; SECTORS], place: Vec2) -> bool {
+pub(super) fn covers(reach: impl Fn(usize) -> f32, place: Vec2) -> bool {
     let k = sector(place);
     let next = (k + 1) % SECTORS;
-    let (a, b) = (DIRECTIONS[k] * reach[k], DIRECTIONS[next] * reach[next]);
-    (b - a).perp_dot(place - a) >= 0.0
+    let (a, b) = (DIRECTIONS[k] * reach(k), DIRECTIONS[next] * reach(next));
+    // A sector of no reach covers nothing.
+    (b - a).perp_dot(place - a) > 0.0
 }
 
 /// How far the triangles around the origin reach, by sector; 0 where there is none.
 ///
-/// They are those of the Delaunay triangulation of the origin and `others`, as far as they can be
-/// reached from the nearest of these over triangles with circumcircles of at most the radius
-/// `most`.
+/// They are those of the Delaunay triangulation of the origin and `others`, as far as they can be reached
+/// from the nearest of these over triangles with circumcircles of at most the radius `most`.
 pub(super) fn reach(others: &[Vec2], most: f32) -> [f32; SECTORS] {
     let mut reach = [0.0; SECTORS];
     let nearest = others.iter().min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));

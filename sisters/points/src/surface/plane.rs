@@ -1,7 +1,7 @@
 //! The plane through a point that most of its neighbours lie on.
 
 use crate::numeric::{FLAT, THIN};
-use glam::Vec3A;
+use glam::{Vec3A, Vec4};
 
 /// A neighbour: its number, and its place relative to the point.
 pub(super) type Near = (u32, Vec3A);
@@ -11,9 +11,16 @@ pub(super) struct Input {
     pub places: Vec<Vec3A>,
     /// Those that are given; zero where none is.
     pub normals: Vec<Vec3A>,
-    pub near: Vec<Vec<Near>>,
+    /// The nearest others first, and [`NOBODY`] behind them.
+    pub nearest: Vec<[u32; NEIGHBOURS]>,
     pub spacing: Vec<f32>,
 }
+
+/// Neighbours of a point that are looked at: on a plate, half of them are on its other side.
+pub(super) const NEIGHBOURS: usize = 28;
+
+/// In the place of a neighbour that there is not.
+pub(super) const NOBODY: u32 = u32::MAX;
 
 impl Input {
     /// Whether the normal of a place is given, so that its sign tells front and back.
@@ -21,18 +28,23 @@ impl Input {
         self.normals[i] != Vec3A::ZERO
     }
 
-    /// The neighbours of a place.
+    /// The neighbours of a place, nearest first.
+    pub(super) fn near(&self, i: usize) -> Vec<Near> {
+        let near = self.nearest[i].iter().take_while(|&&j| j != NOBODY);
+        near.map(|&j| (j, self.places[j as usize] - self.places[i])).collect()
+    }
+
+    /// Their places alone.
     pub(super) fn around(&self, i: usize) -> Vec<Vec3A> {
-        self.near[i].iter().map(|near| near.1).collect()
+        self.near(i).iter().map(|near| near.1).collect()
     }
 }
 
 /// Neighbours of which all pairs are tried.
 const PAIRED: usize = 9;
 
-/// How much a neighbour off the plane counts against it, if it is on the side that has fewer of
-/// these: a plane that cuts through a bent surface has them on both of its sides, one that touches
-/// it on one.
+/// How much a neighbour off the plane counts against it, if it is on the side that has fewer of these: a
+/// plane that cuts through a bent surface has them on both of its sides, one that touches it on one.
 const CUT: f32 = 0.3;
 
 /// Rounds of least squares after that.
@@ -60,16 +72,22 @@ fn planes(near: &[Vec3A]) -> impl Iterator<Item = Vec3A> {
 /// The normal of the plane through the origin within `inlier` of which most neighbours lie, and
 /// that has few others on both of its sides; zero if they are on a line.
 pub(super) fn normal(near: &[Vec3A], inlier: f32) -> Vec3A {
-    let weight = |height: f32| (1.0 - (height / inlier).powi(2)).max(0.0);
+    // Four at once, in units of `inlier`; those that fill up the last four count 1 each.
+    let four = |four: &[Vec3A], axis: usize| {
+        Vec4::from_array(std::array::from_fn(|k| four.get(k).map_or(0.0, |v| v[axis] / inlier)))
+    };
+    let fours: Vec<[Vec4; 3]> = near.chunks(4).map(|all| [0, 1, 2].map(|axis| four(all, axis))).collect();
+    let filled = (4 * fours.len() - near.len()) as f32;
     let mut best = (0.0, Vec3A::ZERO);
     for normal in planes(near) {
-        let (mut score, mut above, mut below) = (0.0, 0, 0);
-        for height in near.iter().map(|v| v.dot(normal)) {
-            score += weight(height);
-            above += u32::from(height > inlier);
-            below += u32::from(height < -inlier);
+        let (mut weights, mut above, mut below) = (Vec4::ZERO, 0, 0);
+        for [x, y, z] in &fours {
+            let height = *x * normal.x + *y * normal.y + *z * normal.z;
+            weights += (Vec4::ONE - height * height).max(Vec4::ZERO);
+            above += height.cmpgt(Vec4::ONE).bitmask().count_ones();
+            below += height.cmplt(Vec4::NEG_ONE).bitmask().count_ones();
         }
-        score -= CUT * above.min(below) as f32;
+        let score = weights.element_sum() - filled - CUT * above.min(below) as f32;
         if score > best.0 {
             best = (score, normal);
         }
@@ -101,8 +119,7 @@ fn refined(normal: Vec3A, near: &[Vec3A], inlier: f32) -> Vec3A {
     }
 }
 
-/// The root of the mean square of the heights of those neighbours that are within `most` of a
-/// plane.
+/// The root of the mean square of the heights of those neighbours that are within `most` of a plane.
 pub(super) fn rough(near: &[Vec3A], normal: Vec3A, most: f32) -> f32 {
     let heights = near.iter().map(|p| p.dot(normal)).filter(|h| h.abs() < most);
     let (sum, count) = heights.fold((0.0, 0.0_f32), |(sum, count), h| (sum + h * h, count + 1.0));

@@ -1,6 +1,6 @@
 //! Rays between discs.
 
-use super::disc::{Disc, Discs, NOBODY};
+use super::disc::{Disc, Discs};
 use super::fan::covers;
 use crate::numeric::ALONG;
 use glam::{DVec3, Vec2, Vec3A};
@@ -49,12 +49,18 @@ const AWAY: f32 = 0.02;
 /// Discs nearer than a spacing with normals of a larger cosine are the point's own face.
 const OWN_FACE: f32 = 0.7;
 
+/// Where the ray from an eye to a point starts: at the eye, or nearer.
+fn start(eye: DVec3, at: Vec3A) -> Vec3A {
+    let way = eye - at.as_dvec3();
+    at + (way * (START / way.length()).min(1.0)).as_vec3a()
+}
+
 impl Disc {
     /// Whether it covers a place of its plane, relative to its middle.
     #[inline]
     fn covers(&self, hit: Vec3A) -> bool {
         let (u, v) = self.normal.any_orthonormal_pair();
-        covers(&self.reach, Vec2::new(hit.dot(u), hit.dot(v)))
+        covers(|sector| self.reach(sector), Vec2::new(hit.dot(u), hit.dot(v)))
     }
 
     /// Where a ray meets it, and the cosine of the ray's direction and its normal.
@@ -73,9 +79,10 @@ impl Discs {
     pub(super) fn visible(&self, eye: DVec3) -> Vec<bool> {
         let first: Vec<bool> = (0..self.discs.len()).into_par_iter().map(|i| self.is_seen(eye, i)).collect();
         let judged = |i: usize| {
-            let peers = self.peers[i].iter().filter(|&&j| j != NOBODY);
-            let (count, visible) = peers
-                .fold((0, 0), |(count, visible), &j| (count + 1, visible + usize::from(first[j as usize])));
+            let peers = self.peers.get(i).into_iter().flatten().filter(|&&step| step != 0);
+            let is_seen = |step: &i16| first[i.wrapping_add_signed((*step).into())];
+            let (count, visible) =
+                peers.fold((0, 0), |(count, visible), j| (count + 1, visible + usize::from(is_seen(j))));
             let share = visible as f32 / count as f32;
             match first[i] {
                 seen if count < LEAST_PEERS => seen,
@@ -89,11 +96,11 @@ impl Discs {
     /// Whether the ray to a disc is free, and the disc does not face away on a closed body or on the
     /// rim of a plate, nor is the far side of a plate.
     fn is_seen(&self, eye: DVec3, i: usize) -> bool {
-        let disc = &self.discs[i];
+        let disc = &self.discs[i].disc();
         if disc.stray && !self.show_strays {
             return false;
         }
-        let start = self.start(eye, i);
+        let start = start(eye, disc.at);
         if start == disc.at {
             return true;
         }
@@ -105,29 +112,24 @@ impl Discs {
         if disc.solid && facing < -TURNED_AWAY * (start - disc.at).length() {
             return false;
         }
-        if disc.oriented { !(facing < 0.0 && self.is_on_body(i)) } else { !self.is_in_plate(start, i) }
-    }
-
-    /// Where the ray from an eye to a point starts: at the eye, or nearer.
-    fn start(&self, eye: DVec3, i: usize) -> Vec3A {
-        let at = self.discs[i].at;
-        let way = eye - at.as_dvec3();
-        at + (way * (START / way.length()).min(1.0)).as_vec3a()
+        if disc.oriented {
+            !(facing < 0.0 && self.is_on_body(i, disc))
+        } else {
+            !self.is_in_plate(start, i, disc)
+        }
     }
 
     /// Whether one of the discs near a ray has a property.
     fn any(&self, ray: Ray, mut is: impl FnMut(usize, &Disc) -> bool) -> bool {
         let mut found = false;
-        self.tree.ray_traverse_miss(ray, |_, k| {
-            let j = self.tree.primitive_indices[k] as usize;
-            found = found || is(j, &self.discs[j]);
+        self.tree.ray_traverse_miss(ray, |_, j| {
+            found = found || self.discs[j].is_near(&ray) && is(j, &self.discs[j].disc());
             if found { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         found
     }
 
-    /// Whether `disc` is between `start` and the point of `to`, which is not a part of the same
-    /// surface.
+    /// Whether `disc` is between `start` and the point of `to`, which is not a part of the same surface.
     #[inline]
     fn hides(&self, disc: &Disc, start: Vec3A, to: &Disc) -> bool {
         let above = disc.normal.dot(start - disc.at);
@@ -165,8 +167,7 @@ impl Discs {
 
     /// Whether a parallel surface is close before the point on the eye's side, so that the point is
     /// on the far side of a plate: rays slip past the edges of plates, which have few points.
-    fn is_in_plate(&self, start: Vec3A, i: usize) -> bool {
-        let disc = &self.discs[i];
+    fn is_in_plate(&self, start: Vec3A, i: usize, disc: &Disc) -> bool {
         let direction = disc.normal * disc.normal.dot(start - disc.at).signum();
         let most = PLATE * disc.spacing;
         self.any(Ray::new(disc.at, direction, 0.0, most), |j, other| {
@@ -179,21 +180,19 @@ impl Discs {
 
     /// Whether most rays from the back of the point first meet a surface from within: it is on a
     /// closed body, and not on a sheet.
-    fn is_on_body(&self, i: usize) -> bool {
-        let disc = &self.discs[i];
+    fn is_on_body(&self, i: usize, disc: &Disc) -> bool {
         let (u, v) = disc.normal.any_orthonormal_pair();
         let slanted = |k: usize| {
             let turn = Vec2::from_angle(k as f32 * FRAC_PI_3);
             (SLANT * (u * turn.x + v * turn.y) - disc.normal).normalize()
         };
         let rays = (0..AROUND).map(slanted).chain([-disc.normal]);
-        let inside = rays.filter(|&direction| self.leaves(i, direction)).count();
+        let inside = rays.filter(|&direction| self.leaves(i, disc, direction)).count();
         2 * inside > AROUND + 1
     }
 
     /// Whether the first disc that a ray from a point meets is met from behind.
-    fn leaves(&self, i: usize, direction: Vec3A) -> bool {
-        let disc = &self.discs[i];
+    fn leaves(&self, i: usize, disc: &Disc, direction: Vec3A) -> bool {
         let mut first = (f32::INFINITY, usize::MAX, false);
         self.any(Ray::new(disc.at, direction, 0.0, f32::INFINITY), |j, other| {
             let own = |far: f32| other.normal.dot(disc.normal) > OWN_FACE && far < disc.spacing;

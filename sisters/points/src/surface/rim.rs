@@ -22,8 +22,7 @@ const APART: f32 = 0.9;
 /// the cosine of its normal with that of the plate is less.
 const KEPT: usize = 5;
 const ACROSS: f32 = 0.3;
-/// How near points count when it is sought where the plate is, and how far from the rim they count
-/// in full.
+/// How near points count when it is sought where the plate is, and how far from the rim they count in full.
 const AROUND: f32 = 2.0;
 const STEP: f32 = 0.3;
 /// Other points of rims count as much for a straight rim that they are nearer to than this.
@@ -33,19 +32,18 @@ const BEYOND: f32 = 0.2;
 /// Directions that are tried, beside those across lines to other points of rims.
 const DIRECTIONS: usize = 32;
 
-/// The normals of points on rims, out of their plates; none for other points. `normals` are those
-/// of planes.
+/// The normals of points on rims, out of their plates; none for other points. `normals` are those of planes.
 pub(super) fn normals(input: &Input, normals: &[Vec3A], margins: &Margins) -> Vec<Option<Vec3A>> {
     let all = 0..normals.len();
-    let Input { near, spacing, .. } = input;
-    let of = |i: usize| Surroundings { near: &near[i], normals, own: normals[i], spacing: spacing[i] };
+    let of =
+        |i: usize| Surroundings { near: input.near(i), normals, own: normals[i], spacing: input.spacing[i] };
     let plates: Vec<Option<Vec3A>> = all.clone().into_par_iter().map(|i| of(i).plate(margins)).collect();
-    all.into_par_iter().map(|i| of(i).outwards(plates[i]?, &plates)).collect()
+    all.into_par_iter().map(|i| plates[i].and_then(|plate| of(i).outwards(plate, &plates))).collect()
 }
 
 /// The neighbours of a point.
 struct Surroundings<'a> {
-    near: &'a [Near],
+    near: Vec<Near>,
     /// Those of all points, and of this one.
     normals: &'a [Vec3A],
     own: Vec3A,
@@ -90,8 +88,7 @@ impl Surroundings<'_> {
         best.1
     }
 
-    /// The direction in the plane of a plate that leads out of it; none if the point seems to be
-    /// within it.
+    /// The direction in the plane of a plate that leads out of it; none if the point seems to be within it.
     fn outwards(&self, plate: Vec3A, plates: &[Option<Vec3A>]) -> Option<Vec3A> {
         let (u, v) = plate.any_orthonormal_pair();
         let flat = |p: Vec3A| Vec2::new(p.dot(u), p.dot(v)) / self.spacing;

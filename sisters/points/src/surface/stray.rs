@@ -34,10 +34,13 @@ const SPARED: f32 = 4.0;
 const ENOUGH: f32 = 14.0;
 
 /// Whether each place is on no surface. `normals` are those of planes.
-pub(super) fn strays(Input { places, near, .. }: &Input, normals: &[Vec3A], margins: &Margins) -> Vec<bool> {
-    let count = places.len();
-    let thin = |near: &Vec<Near>| near.get(RANK - 1).or(near.last()).map_or(0.0, |near| near.1.length());
-    let thin: Vec<f32> = near.par_iter().map(thin).collect();
+pub(super) fn strays(input: &Input, normals: &[Vec3A], margins: &Margins) -> Vec<bool> {
+    let (places, count) = (&input.places, input.places.len());
+    let thin = |i| {
+        let near = input.around(i);
+        near.get(RANK - 1).or(near.last()).map_or(0.0, |near| near.length())
+    };
+    let thin: Vec<f32> = (0..count).into_par_iter().map(thin).collect();
     let step = (count / LEAST_SAMPLE).clamp(1, SAMPLED);
     let mut random = Pcg64Mcg::seed_from_u64(1);
     let one = |i: usize| i + random.random_range(0..step.min(count - i));
@@ -50,7 +53,7 @@ pub(super) fn strays(Input { places, near, .. }: &Input, normals: &[Vec3A], marg
             let level_with = |normal: Vec3A| v.dot(normal).abs() < level;
             v.length() < FAR * thin[i] && level_with(own) && level_with(other) && own.dot(other).abs() > TURN
         };
-        let support = near[i].iter().filter(supports).count() as f32;
+        let support = input.near(i).iter().filter(supports).count() as f32;
         if support >= ENOUGH {
             return false;
         }

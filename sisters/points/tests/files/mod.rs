@@ -3,12 +3,11 @@
 // Each test and the fuzz target use a part of it.
 #![allow(dead_code)]
 
-use std::io::Cursor;
-
 use casca_points::PointCloud;
 use casca_points::bricks::{BuildOptions, Builder};
 use casca_points::files::PlyWriter;
 use glam::{DVec3, Vec3};
+use std::io::Cursor;
 
 pub const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\nproperty float view\nelement vertex 3\n\
     property list uchar int ring\nproperty double x\nproperty float nx\nproperty double y\nproperty float ny\nproperty double z\n\
