@@ -3,7 +3,7 @@
 //! double precision, which follows the eye from time to time.
 //!
 //! `cargo run --release --example large_world`, or with a number of metres: `-- 10000`.
-//! `tests/world/flight.rs` compares what is found with exact visibility.
+//! The test `tests/world/flight.rs` flies the same way, and compares sets with exact visibility.
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -1,8 +1,8 @@
 //! Dispatch from bounds and occluders to the kinds of shapes.
 
 /// Implements an enum of shapes by asking its variants, each of which is a
-/// [`Kind`](crate::shape::kind::Kind), or an `Arc` or a `Box` of one. A new kind of shape is one more name in
-/// the list.
+/// [`Kind`](crate::shape::kind::Kind), or an `Arc` or a `Box` of one. A new kind of shape is one more
+/// name in the list.
 macro_rules! kinds {
     ($name:ident: $($variant:ident($kind:ty)),+ $(,)?) => {
         impl $name {

@@ -20,7 +20,7 @@ use crate::sync::{Managed, Refused};
 use crate::why_not::WhyNot;
 
 impl CascaScene {
-    /// Why an entity hides nothing; `None` if it hides what is behind it. Of several reasons, one.
+    /// Tells a reason why an entity hides nothing; `None` if it hides what is behind it.
     ///
     /// It costs nothing unless it is called. Systems may have the world as a parameter: `&World`.
     pub fn why_not(world: &World, entity: Entity) -> Option<WhyNot> {

@@ -61,8 +61,8 @@ impl CascaScene {
         self.scene.as_ref()
     }
 
-    /// The query of a camera: what it sees in this frame ([`casca::Query::pvs`]), and questions about
-    /// anything in its view ([`casca::Query::sight`]). `None` if it is culled by frustum only.
+    /// The query of a camera. [`casca::Query::pvs`] lists what the camera sees in this frame, and
+    /// [`casca::Query::sight`] answers questions about its view. `None` if it is culled by frustum only.
     pub fn camera(&self, camera: Entity) -> Option<&casca::Query> {
         self.cameras.get(&camera)
     }

@@ -121,13 +121,16 @@ fn what_moves_as_one_hides_as_one_after_some_frames() {
 
 #[test]
 fn a_wall_that_trembles_hides_where_it_is() {
+    // Together they move no point of the wall by 1/10,000 of its 30 m: in metres and in radians.
+    const SHIFT: f32 = 1e-3;
+    const TURN: f32 = 4e-5;
     let mut pair = Pair::new(stage);
     for frame in 0..60 {
         let found = pair.frame(|world| {
             on(world, WALL, |wall| {
                 let mut at = wall.get_mut::<Transform>().unwrap();
-                at.translation.x = 0.5 + 1e-3 * dice(frame);
-                at.rotation = Quat::from_rotation_y(4e-5 * dice(frame + 100));
+                at.translation.x = 0.5 + SHIFT * dice(frame);
+                at.rotation = Quat::from_rotation_y(TURN * dice(frame + 100));
             });
         });
         assert_eq!(hidden(&found), if frame < 8 { 0 } else { 50 }, "frame {frame}");

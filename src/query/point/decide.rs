@@ -63,17 +63,23 @@ impl SecondTest {
     /// Draws occluders that wait before suspicious objects, which were there when the last run hid
     /// them: before those whose middles are in sight now.
     fn draw_waiting(&mut self, drawing: &mut Drawing, candidates: &[Candidate]) {
-        let came = |c: &&Candidate| drawing.coherence().hid(c.slot, c.block.as_ref()) && shows(drawing, c);
         self.came.clear();
-        self.came.extend(candidates.iter().filter(came).map(|candidate| candidate.slot));
+        if !drawing.coherence().has_waiting() {
+            return;
+        }
+        let came = |c: &&Candidate| drawing.coherence().hid(c.slot, c.block.as_ref()) && shows(drawing, c);
+        let came: Vec<&Candidate> = candidates.iter().filter(came).collect();
+        self.came.extend(came.iter().map(|candidate| candidate.slot));
         self.came.sort_unstable();
-        let is_known = |candidate: &&Candidate| self.came.binary_search(&candidate.slot).is_ok();
-        let blocks: Vec<Block> = candidates.iter().filter(is_known).filter_map(|c| c.block).collect();
+        let blocks: Vec<Block> = came.iter().filter_map(|candidate| candidate.block).collect();
         drawing.draw_before(&blocks);
     }
 
     /// Tests suspicious objects once more that were found visible, with what waits before them drawn.
     fn decide_again(&mut self, drawing: &mut Drawing, candidates: &[Candidate], left: &mut Budget) {
+        if !drawing.coherence().has_waiting() {
+            return;
+        }
         let is_suspicious = |&at: &usize| {
             let Candidate { slot, block, .. } = &candidates[at];
             let again = self.hidden.get(at) != Some(&true) && drawing.coherence().hid(*slot, block.as_ref());

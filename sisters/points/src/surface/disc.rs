@@ -92,6 +92,14 @@ pub(super) struct Packed {
 /// The parts of a spacing in which the reach of a disc is counted: few discs reach beyond 2.5.
 const PARTS: f32 = 100.0;
 
+/// The edge of the cube from -8 to 8 in which rays start: what they round is a part of it.
+const ACROSS_CUBE: f32 = 16.0;
+
+/// A length by its packed half, without the flag.
+fn length(half: u16) -> f32 {
+    f32::from_bits(u32::from(half) << 17 >> 1)
+}
+
 /// The largest coordinate of a packed normal, and what stands for none.
 const LARGEST: f32 = i16::MAX as f32;
 const NO_NORMAL: [i16; 2] = [i16::MIN; 2];
@@ -127,8 +135,7 @@ impl Packed {
     /// Whether a ray that starts within the cube from -8 to 8 may meet it: most in a leaf are too far away.
     #[inline]
     pub(super) fn is_near(&self, ray: &Ray) -> bool {
-        let spacing = f32::from_bits(u32::from(self.lengths[0]) << 17 >> 1);
-        let most = f32::from(u8::MAX) / PARTS * spacing + 16.0 * BOX;
+        let most = f32::from(u8::MAX) / PARTS * length(self.lengths[0]) + ACROSS_CUBE * BOX;
         let across = (Vec3A::from(self.at) - ray.origin).cross(ray.direction);
         across.length_squared() <= most * most * ray.direction.length_squared()
     }
@@ -136,7 +143,7 @@ impl Packed {
     #[inline]
     pub(super) fn disc(&self) -> Disc {
         let [a, b] = self.lengths.map(|half| half >> 15 != 0);
-        let [spacing, rough] = self.lengths.map(|half| f32::from_bits(u32::from(half) << 17 >> 1));
+        let [spacing, rough] = self.lengths.map(length);
         let (at, normal, reach) = (self.at.into(), unpacked(self.normal), self.reach);
         Disc { at, normal, spacing, rough, oriented: a && !b, solid: b && !a, stray: a && b, reach }
     }

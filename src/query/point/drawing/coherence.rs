@@ -133,8 +133,7 @@ impl<'a> Drawing<'a> {
 
     /// Draws the occluders that wait before some boxes. Returns whether there are any.
     pub(crate) fn draw_before(&mut self, blocks: &[Block]) -> bool {
-        let coherence = &self.scratch.coherence;
-        if coherence.waiting_solids.is_empty() && coherence.waiting_patches.is_empty() {
+        if !self.scratch.coherence.has_waiting() {
             return false;
         }
         let buffers = &self.scratch.buffers;

@@ -137,6 +137,11 @@ impl Coherence {
         }
     }
 
+    /// Whether any solid or patch waits.
+    pub(crate) fn has_waiting(&self) -> bool {
+        !self.waiting_solids.is_empty() || !self.waiting_patches.is_empty()
+    }
+
     /// Notes that a solid was drawn, and whether it hid more than before.
     pub(super) fn drew_solid(&mut self, slot: Slot, changed: bool) {
         self.solids[slot.index()] = Recall { run: self.run, usage: Usage::Unknown };
