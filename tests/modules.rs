@@ -38,7 +38,7 @@ const ROOTS: [&str; 19] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 25] = [
+const MOST: [(&str, usize); 26] = [
     ("src", 41600),
     ("tests", 11850),
     ("crates/cache", 400),
@@ -52,11 +52,12 @@ const MOST: [(&str, usize); 25] = [
     ("sisters/lines", 8750),
     ("sisters/plane", 11950),
     ("sisters/points", 8750),
-    ("fronts/bake", 2400),
+    ("fronts/bake", 2250),
     ("fronts/baked", 1150),
     ("fronts/bevy_casca", 6950),
     ("fronts/bevy_casca_fur", 1700),
     ("fronts/capi", 4150),
+    ("fronts/casca", 1350),
     ("fronts/page", 250),
     ("fronts/python", 1750),
     ("fronts/server", 4800),
