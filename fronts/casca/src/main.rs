@@ -1,4 +1,5 @@
-//! The program `casca`: levels examined, walked through and baked. `casca --help` lists what it does.
+//! The program `casca`: levels examined, walked through, baked and served. `casca --help` lists what
+//! it does.
 
 use std::process::ExitCode;
 
@@ -45,6 +46,12 @@ fn jobs() -> Vec<Job> {
             run: |options| Ok(casca_bake::program::run(&FromArgMatches::from_arg_matches(options)?)?),
         },
     ];
+    #[cfg(feature = "serve")]
+    jobs.push(Job {
+        name: "serve",
+        options: casca_server::program::Options::augment_args,
+        run: |options| casca_server::program::run(&FromArgMatches::from_arg_matches(options)?),
+    });
     jobs.push(Job {
         name: "completions",
         options: |command| {
@@ -61,7 +68,7 @@ fn jobs() -> Vec<Job> {
 }
 
 fn command() -> Command {
-    let about = "Visibility culling: levels examined, walked through and baked";
+    let about = "Visibility culling: levels examined, walked through, baked and served";
     let command =
         Command::new("casca").about(about).version(env!("CARGO_PKG_VERSION")).after_help(EXIT_CODES);
     let command = command.subcommand_required(true).arg_required_else_help(true);
