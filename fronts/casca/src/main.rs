@@ -1,5 +1,5 @@
-//! The program `casca`: levels examined, walked through, baked and served. `casca --help` lists what
-//! it does.
+//! The program `casca`: levels examined, walks, bakes, a server, and windows for casca and the systems
+//! around it. `casca --help` lists what it does.
 
 use std::process::ExitCode;
 
@@ -52,6 +52,8 @@ fn jobs() -> Vec<Job> {
         options: casca_server::program::Options::augment_args,
         run: |options| casca_server::program::run(&FromArgMatches::from_arg_matches(options)?),
     });
+    #[cfg(feature = "view")]
+    jobs.extend(casca_viewer::systems::SYSTEMS.map(|s| Job { name: s.name, options: s.options, run: s.run }));
     jobs.push(Job {
         name: "completions",
         options: |command| {
@@ -68,7 +70,7 @@ fn jobs() -> Vec<Job> {
 }
 
 fn command() -> Command {
-    let about = "Visibility culling: levels examined, walked through, baked and served";
+    let about = "Visibility culling: levels examined, walked through, baked, served and shown";
     let command =
         Command::new("casca").about(about).version(env!("CARGO_PKG_VERSION")).after_help(EXIT_CODES);
     let command = command.subcommand_required(true).arg_required_else_help(true);
@@ -105,5 +107,18 @@ mod tests {
         clap_complete::generate(Shell::Bash, &mut command.clone(), "casca", &mut script);
         let script = String::from_utf8(script).unwrap();
         assert!(jobs().iter().all(|job| script.contains(&format!("casca,{})", job.name))), "{script}");
+    }
+
+    #[cfg(feature = "view")]
+    #[test]
+    fn all_systems_have_the_same_options() {
+        let command = command();
+        for system in casca_viewer::systems::SYSTEMS {
+            let found = command.find_subcommand(system.name).unwrap();
+            for option in ["file", "headless", "size", "out", "frames", "software"] {
+                assert!(found.get_arguments().any(|a| a.get_id() == option), "{} {option}", system.name);
+            }
+        }
+        assert!(command.try_get_matches_from(["casca", "view", "--size", "0x9"]).is_err());
     }
 }

@@ -34,7 +34,7 @@ fn refused(why: impl ToString) -> JsError {
 
 #[wasm_bindgen]
 impl Viewer {
-    /// Starts the system that a command line such as "scene rooms --at 40" names. The viewer calls
+    /// Starts the system that a command line such as "view rooms --at 40" names. The viewer calls
     /// `told` with messages in JSON, many times a second. With `webgl` it draws with WebGL 2 even
     /// where there is WebGPU.
     ///

@@ -73,7 +73,7 @@ const picture = (name) => PNG.sync.read(readFileSync(`${pictures}/${name}.png`))
 for (const way of ["webgl", "webgpu"]) {
   test(`${way}: pictures are those of the desktop`, { timeout: 300_000 }, async () => {
     for (const [scene, frame] of [["city", 40], ["rooms", 90]]) {
-      await open(`run=scene+${scene}+--at+${frame}&bare`, async (page) => {
+      await open(`run=view+${scene}+--at+${frame}&bare`, async (page) => {
         await reports(page, 3);
         assert((await told(page, "opened")).device.includes(way === "webgl" ? "gl" : "webgpu"));
         const [ours, desktop] = [await shot(page), picture(`${scene}-00${frame}-point`)];
@@ -141,7 +141,7 @@ for (const way of ["webgl", "webgpu"]) {
       await reports(page, 1);
       const { systems } = await told(page, "opened");
       const names = systems.map(({ name }) => name);
-      assert.deepEqual(names, ["scene", "plane", "points", "light", "lines", "fur"]);
+      assert.deepEqual(names, ["view", "plane", "points", "light", "lines", "fur"]);
       const refused = systems.filter(({ refused }) => refused).map(({ name }) => name);
       assert.deepEqual(refused, way === "webgl" ? ["points", "light", "lines", "fur"] : []);
       // Smaller than by default: processors draw here.
@@ -183,13 +183,13 @@ test("files of one's own are shown, and others refused", { timeout: 120_000 }, a
 
 test("wrong words, wrong numbers and unknown names change nothing", { timeout: 120_000 }, async () => {
   await open("run=hair", async (page) => {
-    await until(page, () => document.getElementById("status").textContent.includes("none of scene"));
+    await until(page, () => document.getElementById("status").textContent.includes("none of view"));
   });
   await open("", async (page) => {
     await reports(page, 1);
     const refused = await page.evaluate(() => {
       const said = [];
-      for (const words of ["", "hair", "scene --size 0x9", "scene none.glb", "lines --samples -1"]) {
+      for (const words of ["", "hair", "view --size 0x9", "view none.glb", "lines --samples -1"]) {
         try { casca.viewer.show(words); } catch (why) { said.push(why.message); }
       }
       return said;
@@ -258,7 +258,7 @@ test("keyboards reach all controls, which have names for screen readers", { time
 });
 
 test("fingers turn and fly", { timeout: 120_000 }, async () => {
-  await open("run=scene+city+--at+40&bare", async (page) => {
+  await open("run=view+city+--at+40&bare", async (page) => {
     await reports(page, 2);
     const before = await shot(page);
     const finger = await page.touchscreen.touchStart(300, 180);
@@ -276,7 +276,7 @@ test("fingers turn and fly", { timeout: 120_000 }, async () => {
 });
 
 test("memory is flat over a thousand frames", { timeout: 600_000 }, async () => {
-  await open("run=scene+rooms&bare", async (page) => {
+  await open("run=view+rooms&bare", async (page) => {
     const frames = (count) => page.evaluate((count) => new Promise((done) => {
       const start = performance.now();
       const next = () => (count-- > 0 ? requestAnimationFrame(next) : done(performance.now() - start));

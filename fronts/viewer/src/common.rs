@@ -151,7 +151,7 @@ pub trait Shows: Args {
 /// # Errors
 /// Says what is wrong with them.
 pub fn parsed<A: Args>(words: &[&str]) -> Result<A, String> {
-    let command = A::augment_args(clap::Command::new("casca-viewer").no_binary_name(true));
+    let command = A::augment_args(clap::Command::new("casca").no_binary_name(true));
     let matches = command.try_get_matches_from(words).map_err(|e| e.to_string())?;
     A::from_arg_matches(&matches).map_err(|e| e.to_string())
 }

@@ -29,7 +29,7 @@ pub struct System {
 /// All of them.
 pub const SYSTEMS: [System; 6] = [
     System::of::<scene::Options>(
-        "scene",
+        "view",
         "a city from above: what a camera in the streets sees, and what casca culls",
     ),
     System::of::<plane::Options>("plane", "a map from above: what an eye sees, and which guards it can see"),
@@ -84,11 +84,11 @@ mod tests {
 
     #[test]
     fn words_start_a_system_or_are_refused_by_name() {
-        assert!(start(&["scene", "rooms"]).is_ok());
+        assert!(start(&["view", "rooms"]).is_ok());
         let refused = |words: &[&str]| start(words).err().map(|why| why.to_string()).unwrap_or_default();
-        assert!(refused(&["hair"]).contains("scene, plane"), "{}", refused(&["hair"]));
-        assert!(refused(&[]).contains("scene, plane"));
-        assert!(refused(&["scene", "--size", "0x9"]).contains("8192"));
-        assert!(refused(&["scene", "none.glb"]).contains("none.glb"));
+        assert!(refused(&["hair"]).contains("view, plane"), "{}", refused(&["hair"]));
+        assert!(refused(&[]).contains("view, plane"));
+        assert!(refused(&["view", "--size", "0x9"]).contains("8192"));
+        assert!(refused(&["view", "none.glb"]).contains("none.glb"));
     }
 }

@@ -1,4 +1,4 @@
-//! Writes a character for `casca-viewer fur FILE.glb`: an animal with colours, stripes, a collar,
+//! Writes a character for `casca fur FILE.glb`: an animal with colours, stripes, a collar,
 //! materials and a walk. `cargo run --release -p casca-fur --features scenes --example character --
 //! cat.glb [SEED]`
 

@@ -53,7 +53,7 @@ impl Shows for Options {
         let scenes = self.scenes()?;
         // A proof takes minutes: what cannot be read or written is said before it.
         scenes.iter().try_for_each(SceneName::check)?;
-        let (gpu, folder) = self.common.studio("scene")?;
+        let (gpu, folder) = self.common.studio("view")?;
         let mut holds = true;
         for scene in &scenes {
             let mut playback = Playback::new(scene.open(&self.made())?)?;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 fn program(folder: &Path, words: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_casca-viewer"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_casca"));
     command.current_dir(folder).args(words.split(' '));
     command
 }
@@ -19,8 +19,8 @@ fn run(folder: &Path, words: &str) -> (Option<i32>, String, String) {
 #[test]
 fn without_a_display_all_systems_say_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
-    for system in ["scene rooms", "plane", "points", "light", "lines", "fur"] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_casca-viewer"));
+    for system in ["view rooms", "plane", "points", "light", "lines", "fur"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_casca"));
         command.current_dir(folder.path()).args(system.split_whitespace());
         let output =
             command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output();
@@ -66,7 +66,7 @@ fn a_cloud_is_cut_and_walked_through_and_errors_name_their_file() {
 
 #[test]
 fn pictures_are_written_culling_does_not_change_them_and_errors_end_with_3() {
-    let folder = std::env::temp_dir().join(format!("casca-viewer-lines-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("casca-view-lines-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let words = "lines --rooms 3 --lines 30 --headless --size 96x72 --samples 16 --look plain,occluded --out";
     let (code, said, errors) = run(&folder, &format!("{words} all"));
@@ -150,11 +150,11 @@ fn pictures_of_a_map_and_of_one_frame_have_the_names_that_are_said() {
     assert_eq!(code, Some(0));
     assert!(said.contains("guards are visible") && said.contains("plane/plane-rooms-3.png"), "{said}");
     assert!(std::fs::metadata(folder.join("plane/plane-rooms-3.png")).unwrap().len() > 100);
-    let words = "scene spheres --at 7 --headless --size 96x64 --out scene";
+    let words = "view spheres --at 7 --headless --size 96x64 --out view";
     let picture = |words: &str| {
         assert_eq!(run(folder, words).0, Some(0), "{words}");
-        std::fs::read(folder.join("scene/spheres-0007-point.png")).unwrap()
+        std::fs::read(folder.join("view/spheres-0007-point.png")).unwrap()
     };
     assert_ne!(picture(words), picture(&format!("{words} --bare")), "without numbers");
-    assert_eq!(run(folder, "scene spheres --bare").0, Some(2));
+    assert_eq!(run(folder, "view spheres --bare").0, Some(2));
 }
