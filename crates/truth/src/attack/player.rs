@@ -128,7 +128,7 @@ impl Player {
             (point.refine_squares(64).refine_patches(100), CellOptions::default().mask_resolution(mask))
         };
         let (late, cells) = options(3.0, 128);
-        let mut lasting = [(0.0, 0.0), (0.3, 0.5), (1.0, 4.0)].map(|(reach, turn)| {
+        let mut lasting = [(0.0, 0.0), (1.0, 2.0), (4.0, 8.0)].map(|(reach, turn)| {
             KeptQuery::with_options(KeptOptions::new().reach(reach).turn(turn)).unwrap_or_default()
         });
         for (kept, degrees) in lasting.iter_mut().zip([8.0, 3.0, 1.0]) {
