@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 19] = [
+const ROOTS: [&str; 21] = [
     "src",
     "crates/scenes/src",
     "crates/truth/src",
