@@ -40,7 +40,7 @@ const ROOTS: [&str; 21] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 27] = [
+const MOST: [(&str, usize); 28] = [
     ("src", 41600),
     ("tests", 11850),
     ("crates/cache", 400),
@@ -56,14 +56,15 @@ const MOST: [(&str, usize); 27] = [
     ("sisters/lit", 550),
     ("sisters/plane", 11950),
     ("sisters/points", 8750),
-    ("fronts/bake", 2400),
+    ("fronts/bake", 2250),
     ("fronts/baked", 1150),
     ("fronts/bevy_casca", 6950),
     ("fronts/bevy_casca_fur", 1700),
     ("fronts/capi", 4150),
+    ("fronts/casca", 1450),
     ("fronts/page", 250),
     ("fronts/python", 1750),
-    ("fronts/server", 4800),
+    ("fronts/server", 4700),
     ("fronts/stage", 2150),
     ("fronts/viewer", 7700),
     ("fronts/walls", 1250),

@@ -9,6 +9,8 @@ mod level;
 mod merge;
 mod part;
 mod places;
+#[cfg(feature = "cli")]
+pub mod program;
 mod solids;
 
 pub use baker::{Baker, Progress, journal_of, write_whole};

@@ -49,7 +49,7 @@ pub enum ServerError {
     #[error(transparent)]
     Baked(#[from] casca_baked::ReadError),
     /// The file holds sets of objects.
-    #[error("the file holds sets of objects, not from cell to cell: see casca-bake --cell-to-cell")]
+    #[error("the file holds sets of objects, not from cell to cell: see casca bake --cell-to-cell")]
     NotCellToCell,
 }
 

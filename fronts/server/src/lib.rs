@@ -63,7 +63,7 @@
 //! - `rayon`, on by default: clients are answered by several threads.
 //! - `bots`: the module `bots`, with levels from test scenes and files, and bots that run in them.
 //! - `wire`: the modules `wire` and `session`, with the protocol of `PROTOCOL.md`.
-//! - `net`: the module `net` and the program `casca-server`: WebSockets, metrics, a map.
+//! - `net`: the modules `net` and `program`, the command `casca serve`: WebSockets, metrics, a map.
 #![deny(missing_docs)]
 
 mod baked;
@@ -76,6 +76,8 @@ mod id;
 pub mod net;
 mod numeric;
 mod options;
+#[cfg(feature = "net")]
+pub mod program;
 mod server;
 #[cfg(feature = "wire")]
 pub mod session;

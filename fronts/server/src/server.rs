@@ -134,7 +134,7 @@ impl VisibilityServer {
         &mut self.space.level
     }
 
-    /// Takes a file of sets from cell to cell, by `casca-bake --cell-to-cell` or the library
+    /// Takes a file of sets from cell to cell, by `casca bake --cell-to-cell` or the library
     /// casca-bake, as a first filter: a pair of a client and an entity of which it tells that the
     /// cells of the one see none of those of the other is withheld without another test. All the
     /// file's occluders must be static objects of the level. It counts only with

@@ -10,7 +10,7 @@ use super::warnings::Warnings;
 use crate::world::Sides;
 
 /// Extensions of materials that let no light through. One that is not known may do so.
-const OPAQUE: [&str; 10] = [
+pub const OPAQUE: [&str; 10] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",

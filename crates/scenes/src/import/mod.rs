@@ -107,12 +107,10 @@ pub mod parts {
     pub use super::accessors::{Buffers, Components, unfit};
     pub use super::animations::{Keys, keys_of};
     pub use super::buffers::{Known, beside, decoded};
-    pub use super::contents::contents;
     pub use super::document::{File, QUANTIZATION, parse};
     pub use super::meshes::{Meshes, materials_of};
     pub use super::nodes::{Node, Nodes, check_rigid, nodes_of, wrong};
-    pub use super::track::Track;
-    pub use super::warnings::Warnings;
+    pub use super::{contents::contents, hides::OPAQUE, track::Track, warnings::Warnings};
     pub use crate::numeric::AFFINE;
 }
 

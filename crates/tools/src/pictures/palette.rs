@@ -4,7 +4,7 @@
 //! with any kind of colour blindness can tell both apart. Every series has a mark of its own
 //! besides, for print in grey.
 
-use plotters::style::RGBColor;
+pub use plotters::style::RGBColor;
 
 /// The shape of a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

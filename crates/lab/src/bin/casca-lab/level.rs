@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
+use casca_lab::arguments::{FRAMES, Failure};
 use casca_scenes::export;
 use casca_scenes::generated::{self, SceneKind, SceneOptions};
 use casca_tools::command_line::{EXIT_CODES, Outcome, say, try_writing};
 use clap::{Parser, value_parser};
-
-use crate::arguments::{FRAMES, Failure};
 
 /// The options.
 #[derive(Debug, Parser)]

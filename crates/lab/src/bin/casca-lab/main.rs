@@ -4,19 +4,17 @@
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the
 //! commands. `report` is built with `--features experiments`.
 
-mod arguments;
 mod level;
 #[cfg(feature = "experiments")]
 mod report;
-mod walk;
 
 use std::process::ExitCode;
 
+use casca_lab::arguments::Failure;
+use casca_lab::walk;
 use casca_tools::command_line::{EXIT_CODES, Outcome, finish};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
-
-use crate::arguments::Failure;
 
 /// Where the command is that is not always built.
 const MORE: &str = if cfg!(feature = "experiments") {

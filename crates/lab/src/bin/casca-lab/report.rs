@@ -4,13 +4,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use casca_lab::arguments::{Common, spinner};
 use casca_lab::experiments::{EXPERIMENTS, Lab, LabError, write};
 use casca_scenes::import;
 use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use clap::Parser;
 use clap::builder::PossibleValuesParser;
-
-use crate::arguments::{Common, spinner};
 
 /// The options.
 #[derive(Debug, Parser)]

@@ -19,8 +19,14 @@ const LEVEL: [&str; 10] = [
     "--quiet",
 ];
 
+fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_casca"));
+    command.arg("bake");
+    command
+}
+
 fn bake(arguments: &[&str], out: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_casca-bake"));
+    let mut command = program();
     command.args(arguments).arg("--out").arg(out);
     command
 }
@@ -84,7 +90,7 @@ fn killed_bakes_and_parts_on_any_threads_make_the_same_file() {
     }
     let merged = at("merged");
     let merge = |files: &[&PathBuf], out: &Path| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_casca-bake"));
+        let mut command = program();
         command.arg("merge").arg("--out").arg(out).args(files);
         command
     };
@@ -116,8 +122,7 @@ fn killed_bakes_and_parts_on_any_threads_make_the_same_file() {
     assert!(refused(&mut merge(&[&near, &far], &none), &none).contains("kinds of sets"));
 
     let show = |at: &[&str]| {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_casca-bake")).arg("show").arg(&merged).args(at).output();
+        let output = program().arg("show").arg(&merged).args(at).output();
         String::from_utf8(output.unwrap().stdout).unwrap()
     };
     assert!(show(&[]).contains("in the mean set"));

@@ -47,11 +47,13 @@ pub struct Options {
     /// Width of the exact item buffer in pixels, 16 to 16384; 0 for none
     #[arg(long, default_value_t = 1920, value_parser = parse_width)]
     pub width: u32,
+    /// Where prepared meshes are kept.
     #[command(flatten)]
     pub cached: Cached,
     /// Where the pictures go
     #[arg(long, default_value = "target/walk")]
     pub out: PathBuf,
+    /// What is random, and the progress bar.
     #[command(flatten)]
     pub common: Common,
 }

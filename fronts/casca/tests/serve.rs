@@ -4,7 +4,9 @@ use std::io::{BufRead, BufReader};
 use std::process::{Command, Output, Stdio};
 
 fn program() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_casca-server"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_casca"));
+    command.arg("serve");
+    command
 }
 
 fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
@@ -19,12 +21,12 @@ fn levels_are_checked() {
     assert!(code == Some(0) && said.contains("103 occluders, 181 walls"), "{said}");
     for (level, why) in [("house", "neither"), ("none.glb", "cannot be read")] {
         let (code, _, said) = run(&["--check", level]);
-        assert!(code == Some(1) && said.contains(why), "{said}");
+        assert!(code == Some(3) && said.contains(why), "{said}");
         let (code, _, said) = run(&["--level", level, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"]);
-        assert!(code == Some(1) && said.contains(why), "{said}");
+        assert!(code == Some(3) && said.contains(why), "{said}");
     }
     let (code, _, said) = run(&["--token", "no-such-file"]);
-    assert!(code == Some(1) && said.contains("no-such-file"), "{said}");
+    assert!(code == Some(3) && said.contains("no-such-file"), "{said}");
     assert_eq!(run(&["--ticks", "0"]).0, Some(2));
 }
 
@@ -47,13 +49,13 @@ fn what_it_bakes_it_takes() {
     let any = ["--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--seconds", "1", "--bots", "4"];
     assert_eq!(run(&[any.as_slice(), &["--baked", &file]].concat()).0, Some(0));
     let (code, _, said) = run(&[any.as_slice(), &["--baked", "none.pvs"]].concat());
-    assert!(code == Some(1) && said.contains("none.pvs"), "{said}");
+    assert!(code == Some(3) && said.contains("none.pvs"), "{said}");
     let wrong = path("wrong.pvs");
     std::fs::write(&wrong, "PVS").unwrap();
     let (code, _, said) = run(&[any.as_slice(), &["--baked", &wrong]].concat());
-    assert!(code == Some(1) && said.contains("no file of baked visibility"), "{said}");
+    assert!(code == Some(3) && said.contains("no file of baked visibility"), "{said}");
     let (code, _, said) = run(&["--bake", &wrong, "--cell", "0.1"]);
-    assert!(code == Some(1) && said.contains("0.25 m at least"), "{said}");
+    assert!(code == Some(3) && said.contains("0.25 m at least"), "{said}");
 }
 
 #[cfg(unix)]

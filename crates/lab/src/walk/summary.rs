@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use casca_lab::pictures::FrameCounts;
 use casca_tools::command_line::{Outcome, say};
 
 use super::options::Options;
 use super::session::{Frame, Session};
+use crate::pictures::FrameCounts;
 
 /// The results of a walk.
 pub struct Summary {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{Method, Query};
-use casca_lab::pictures::{FrameCounts, FramePicture, frame};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
 use casca_scenes::world::{FRAME_SECONDS, World};
@@ -13,6 +12,7 @@ use casca_truth::oracle::{FrameVerdict, ItemBuffer, Oracle, OracleOptions, Seen}
 
 use super::options::{ASPECT, Options};
 use crate::arguments::{Failure, bar};
+use crate::pictures::{FrameCounts, FramePicture, frame};
 
 /// The height of a picture.
 fn height_of(width: usize) -> usize {

@@ -1,31 +1,32 @@
-//! The program `casca-bake`.
+//! The command `casca bake`.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use casca::Aabb;
 use casca::glam::DVec3;
-use casca_bake::{BakeError, Baked, Baker, Level, Places, merge, write_whole};
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::name::SceneName;
-use clap::{Args, Parser, Subcommand};
+use casca_tools::command_line::{EXIT_CODES, Outcome};
+use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::{BakeError, Baked, Baker, Level, Places, ReadError, merge, write_whole};
 
 /// Finds ahead of time, for each cell of a level, the objects that can be seen from anywhere in it.
 ///
 /// A bake that was stopped goes on where it was when it is started again: its journal lies beside
 /// the file. Objects that move are in no set: test them at run time.
-#[derive(Parser)]
-#[command(version, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-struct Cli {
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Options {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
     bake: Option<Bake>,
 }
 
-#[derive(Subcommand)]
+#[derive(Debug, Subcommand)]
 enum Command {
     /// Puts the files of parts together.
     Merge {
@@ -46,7 +47,7 @@ enum Command {
     },
 }
 
-#[derive(Args)]
+#[derive(Debug, Args)]
 struct Bake {
     /// A glTF 2.0 file, or the name of a generated scene such as rooms.
     level: SceneName,
@@ -156,7 +157,7 @@ impl Bake {
 fn show(file: &Path, at: Option<[f64; 3]>) -> Result<(), BakeError> {
     let read = |why| BakeError::File { act: "read", path: file.to_owned(), why };
     let bytes = std::fs::read(file).map_err(read)?;
-    let of = |why: casca_bake::ReadError| BakeError::Of { path: file.to_owned(), why: Box::new(why.into()) };
+    let of = |why: ReadError| BakeError::Of { path: file.to_owned(), why: Box::new(why.into()) };
     let baked = Baked::read(&bytes).map_err(of)?;
     if let Some(at) = at {
         match baked.set_at(at) {
@@ -181,19 +182,16 @@ fn show(file: &Path, at: Option<[f64; 3]>) -> Result<(), BakeError> {
     Ok(())
 }
 
-fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let result = match (cli.command, cli.bake) {
-        (Some(Command::Merge { out, files }), _) => merge(&files).and_then(|bytes| write_whole(&out, &bytes)),
-        (Some(Command::Show { file, at }), _) => show(&file, at),
-        (None, Some(bake)) => bake.run(),
-        (None, None) => Ok(()),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(why) => {
-            eprintln!("error: {why}");
-            ExitCode::from(3)
-        }
+/// Does what the options say.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn run(options: &Options) -> Result<Outcome, BakeError> {
+    match (&options.command, &options.bake) {
+        (Some(Command::Merge { out, files }), _) => write_whole(out, &merge(files)?)?,
+        (Some(Command::Show { file, at }), _) => show(file, *at)?,
+        (None, Some(bake)) => bake.run()?,
+        (None, None) => {}
     }
+    Ok(Outcome::Well)
 }

@@ -1,25 +1,27 @@
-//! A server that tells each client of what it could see, and of nothing else.
+//! The command `casca serve`: a server that tells each client of what it could see, and of nothing
+//! else.
 
 use std::net::SocketAddr;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Duration;
 
-use casca_server::bots::Level;
-use casca_server::net::{Front, FrontOptions};
-use casca_server::session::Token;
-use casca_server::{ServerOptions, VisibilityServer};
-use clap::Parser;
+use casca_tools::command_line::{EXIT_CODES, Outcome};
+use clap::Args;
+
+use crate::bots::Level;
+use crate::net::{Front, FrontOptions};
+use crate::session::Token;
+use crate::{ClientDesc, ServerOptions, VisibilityServer};
 
 /// Tells each client of a game of the entities that it could see, and of no others.
-#[derive(Debug, Parser)]
-#[command(version, about)]
-struct Arguments {
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct Options {
     /// The level: `rooms`, another generated scene, or a .glb or .gltf file with a moving camera.
     #[arg(long, default_value = "rooms")]
     level: String,
-    /// Looks at a level, says what it is made of, and ends: with 1 if it cannot be used.
+    /// Looks at a level, says what it is made of, and ends: with 3 if it cannot be used.
     #[arg(long, value_name = "LEVEL")]
     check: Option<String>,
     /// Finds which cells of the level see each other, writes them to a file, and ends.
@@ -60,22 +62,16 @@ struct Arguments {
 /// Queries for each cell of a bake: walls decide most.
 const QUERIES: u32 = 16;
 
-type Failure = Box<dyn std::error::Error>;
+/// Why it failed.
+pub type Failure = Box<dyn std::error::Error>;
 
-fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+/// Does what the options say.
+///
+/// # Errors
+/// The level, a file or an address cannot be used.
+pub fn run(arguments: &Options) -> Result<Outcome, Failure> {
     let most = if arguments.verbose { tracing::Level::DEBUG } else { tracing::Level::INFO };
     tracing_subscriber::fmt().with_max_level(most).with_writer(std::io::stderr).init();
-    match run(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("casca-server: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(level) = &arguments.check {
         return check(level);
     }
@@ -101,7 +97,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
             () = passed(arguments.seconds) => {}
         }
         front.stop().await;
-        Ok(())
+        Ok(Outcome::Well)
     })
 }
 
@@ -113,11 +109,11 @@ fn open(name: &str) -> Result<Level, Failure> {
 }
 
 /// Prints the parts of a level, and runs one tick with a client to show that it can be served.
-fn check(name: &str) -> Result<(), Failure> {
+fn check(name: &str) -> Result<Outcome, Failure> {
     let level = open(name)?;
     let occluders = level.scene.len();
     let mut server = VisibilityServer::new(level.scene, ServerOptions::new())?;
-    server.add_client(casca_server::ClientDesc::new(level.track.path[0], 5.0, 0.1), 0.0)?;
+    server.add_client(ClientDesc::new(level.track.path[0], 5.0, 0.1), 0.0)?;
     server.tick(0.0)?;
     let meters: f32 = level.track.path.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
     println!(
@@ -127,11 +123,11 @@ fn check(name: &str) -> Result<(), Failure> {
         server.wall_count()
     );
     println!("a path of {meters:.0} m");
-    Ok(())
+    Ok(Outcome::Well)
 }
 
 /// Finds which cells of a level see each other.
-fn bake(level: &Level, cell: f32, file: &Path) -> Result<(), Failure> {
+fn bake(level: &Level, cell: f32, file: &Path) -> Result<Outcome, Failure> {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
     let mut last = 0;
     let bytes = level.bake(cell, QUERIES, threads, &mut |done, all| {
@@ -144,10 +140,10 @@ fn bake(level: &Level, cell: f32, file: &Path) -> Result<(), Failure> {
     })?;
     casca_bake::write_whole(file, &bytes)?;
     println!("{}: {} bytes", file.display(), bytes.len());
-    Ok(())
+    Ok(Outcome::Well)
 }
 
-fn token(arguments: &Arguments) -> Result<Token, Failure> {
+fn token(arguments: &Options) -> Result<Token, Failure> {
     if let Some(file) = &arguments.token {
         let text = std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
         return Token::new(text.trim()).ok_or_else(|| "the token must have 1 to 64 bytes".into());

@@ -5,7 +5,6 @@ mod options;
 mod session;
 mod summary;
 
-use casca_lab::pictures::chart;
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::world::World;
 use casca_tools::command_line::{Outcome, try_writing_into};
@@ -13,7 +12,8 @@ use glam::DVec3;
 use indicatif::ProgressBar;
 
 use crate::arguments::{Failure, bar};
-pub use options::Options;
+use crate::pictures::chart;
+pub use options::{MethodName, Options};
 use session::{Frame, Session};
 use summary::Summary;
 
