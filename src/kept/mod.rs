@@ -21,15 +21,26 @@ pub use job::{KeptJob, KeptResult};
 /// A result is found for the way that the camera goes in this many frames, if it goes on like that.
 const FRAMES: f64 = 8.0;
 
-/// The eye may stray from that way by this share of the reach, and turn farther by this of the turn.
+/// The eye may stray from that way by this share of half its length, and turn farther by this.
 const ASTRAY: f64 = 0.125;
 const TURNED_ASTRAY: f64 = 0.25;
+
+/// It may by this share of the reach and of the turn in any case: cameras that stand tremble.
+const TREMBLE: f64 = 1.0 / 128.0;
+
+/// A camera that uses more of its bounds in a frame jumps: a result for its way serves few frames.
+const JUMP: f64 = 0.5;
+
+/// A camera that left its way before this many frames goes to and fro: the next result is for all
+/// places and turns around it that it may come to.
+const STEADY: u32 = 3;
 
 /// How far the camera of a [`KeptQuery`] may go and turn before a new result is needed, at most.
 ///
 /// A result is found for the way that a camera goes on in eight frames and some room around it,
-/// within these bounds: slow cameras have smaller sets. After a jump, and first of all, it is found
-/// for all places and turns within them. Greater ones make results for fast cameras last longer.
+/// within these bounds: slow cameras have smaller sets. First of all, after a jump, and where
+/// the camera goes by more than half of a bound in a frame, it is found for one view. Greater
+/// bounds make results for fast cameras last longer, and their sets larger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default))]
@@ -48,9 +59,9 @@ impl Default for KeptOptions {
 }
 
 impl KeptOptions {
-    /// The default options: a reach of 0.1 world units and a turn of 0.15 radians.
+    /// The default options: a reach of 0.25 world units and a turn of 0.15 radians.
     pub const fn new() -> Self {
-        Self { reach: 0.1, turn: 0.15 }
+        Self { reach: 0.25, turn: 0.15 }
     }
 
     /// Sets [`KeptOptions::reach`], in world units.
@@ -72,10 +83,10 @@ impl KeptOptions {
 /// earlier result about static objects.
 ///
 /// A [`Query`] starts anew in each frame. A kept query finds the static objects that can be seen
-/// from anywhere near the eye ([`KeptOptions`]), by [`Method::Point`], and answers frames from that
-/// while the camera is there. In each frame it cuts that set by the frustum, and tests dynamic
-/// objects where they are now, against the occlusion buffers of the static ones. When the result
-/// does not hold any more, the run finds a new one, a little ahead of the camera; or another thread
+/// from anywhere on the way that the camera goes next ([`KeptOptions`]), by [`Method::Point`], and
+/// answers frames from that while the camera is there. In each frame it cuts that set by the
+/// frustum, and tests dynamic objects where they are now, against the occlusion buffers of the
+/// static ones. When the result does not hold any more, the run finds a new one; or another thread
 /// does so in time ([`KeptQuery::prepare`]).
 ///
 /// Static objects may come, go and change meanwhile, as where a level is streamed: the result
@@ -109,7 +120,7 @@ impl KeptOptions {
 ///     assert!(!pvs.contains(ball_id), "the ball is behind the wall");
 ///     scene.end_frame([query.pvs()])?;
 /// }
-/// assert_eq!(query.refreshes(), 1, "one result served all frames");
+/// assert_eq!(query.refreshes(), 2, "one for the first view, one for the way from there on");
 /// # Ok(())
 /// # }
 /// ```
@@ -128,6 +139,9 @@ pub struct KeptQuery {
     snapshots: Snapshots,
     /// The view of the last run, and how the camera came there.
     last: Option<(View, Option<EyeMotion>)>,
+    /// Whether the last result that a run found is for the camera's way, and the runs since then.
+    on_way: bool,
+    served: u32,
     pvs: Pvs,
     refreshes: u64,
 }
@@ -149,6 +163,8 @@ impl KeptQuery {
             next: None,
             snapshots: Snapshots::default(),
             last: None,
+            on_way: false,
+            served: 0,
             pvs: Pvs::empty(),
             refreshes: 0,
         }
@@ -206,8 +222,11 @@ impl KeptQuery {
             self.refreshes += 1;
         }
         let mut now = self.now.take().unwrap_or_else(|| {
-            Box::new(Still::find(self.take_query(), scene, self.aim(scene, view), Stamp::of(scene)))
+            let (aim, on_way) = self.aim(scene, view);
+            (self.on_way, self.served) = (on_way, 0);
+            Box::new(Still::find(self.take_query(), scene, aim, Stamp::of(scene)))
         });
+        self.served = self.served.saturating_add(1);
         self.begin(scene, view, if holds { Stats::default() } else { *now.stats() });
         now.follow(scene);
         now.answer(scene, view, &mut self.pvs);
@@ -243,11 +262,8 @@ impl KeptQuery {
     /// calls take over the static objects that came, went or changed since, which costs what
     /// inserting and removing them costs. After more than 2,048 such changes between two calls the
     /// scene is copied again. Dynamic objects of the copy grow old, but are not looked at.
-    ///
-    /// If each job is done within a frame, a reach of 2 cm and a turn of 3 degrees are enough for a
-    /// person who walks at 1.5 m/s at 60 frames a second.
     pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
-        let (view, query) = (self.aim(scene, view), self.take_query());
+        let (view, query) = (self.aim(scene, view).0, self.take_query());
         self.snapshots.job(scene, view, query)
     }
 
@@ -267,16 +283,23 @@ impl KeptQuery {
         self.now.iter().chain(&self.next).any(|still| still.holds(scene, view))
     }
 
-    /// The widened view around the way that the camera goes next, or around a view if it jumped.
-    fn aim(&self, scene: &Scene, view: &View) -> View {
+    /// The view that a result is found for, and whether it is that of the way that the camera goes.
+    fn aim(&self, scene: &Scene, view: &View) -> (View, bool) {
         let (reach, turn) = (f64::from(self.options.reach), f64::from(self.options.turn));
-        let (aside, turned) = (ASTRAY * reach, TURNED_ASTRAY * turn);
         let motion = self.last.as_ref().and_then(|(_, motion)| *motion);
-        let walks = motion.filter(|by| by.step.length() <= 2.0 * reach && by.angle <= 2.0 * turn);
-        let half = walks.map(|by| by.times(FRAMES * 0.5, reach - aside, turn - turned));
-        let ahead = half.map(|half| view.moved(&half).widened(half.step, aside, half.angle + turned));
-        let ahead = ahead.filter(|ahead| serves(ahead, scene, view));
-        ahead.unwrap_or_else(|| view.widened(DVec3::ZERO, reach, turn))
+        let goes_on = |by: &EyeMotion| by.step.length() <= JUMP * reach && by.angle <= JUMP * turn;
+        let Some(motion) = motion.filter(goes_on) else {
+            return (view.widened(DVec3::ZERO, 0.0, 0.0), false);
+        };
+        let half = motion.times(FRAMES * 0.5, reach / (1.0 + ASTRAY), turn / (1.0 + TURNED_ASTRAY));
+        let aside = (ASTRAY * half.step.length()).max(TREMBLE * reach);
+        let turned = (TURNED_ASTRAY * half.angle).max(TREMBLE * turn);
+        let ahead = view.moved(&half).widened(half.step, aside, half.angle + turned);
+        if self.on_way && self.served < STEADY || !serves(&ahead, scene, view) {
+            return (view.widened(DVec3::ZERO, half.step.length() + aside, half.angle + turned), false);
+        }
+        // What trembles goes nowhere.
+        (ahead, aside > TREMBLE * reach || turned > TREMBLE * turn)
     }
 
     /// A query with the memory of an earlier one, if there is one.

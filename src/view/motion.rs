@@ -17,10 +17,11 @@ pub(crate) struct EyeMotion {
 
 impl EyeMotion {
     /// How a camera with an eye moved from one view to the next. Turns about the axis that it looks
-    /// along do not count.
+    /// along do not count, nor those of views in all directions.
     pub(crate) fn between(before: &View, after: &View) -> Option<Self> {
         let step = after.eye()? - before.eye()?;
-        let (from, to) = (before.cone()?.middle, after.cone()?.middle);
+        let along = |view: &View| view.cone().map_or(DVec3::Z, |cone| cone.middle);
+        let (from, to) = (along(before), along(after));
         let axis = from.cross(to);
         let angle = axis.length().atan2(from.dot(to));
         Some(Self { step, axis: axis.normalize_or_zero(), angle })

@@ -68,7 +68,9 @@ const SCENES: [Scene; 4] = [
 fn main() {
     let given: Vec<usize> = std::env::args().skip(1).filter_map(|n| n.parse().ok()).collect();
     let sizes = if given.is_empty() { vec![2_000, 20_000, 200_000] } else { given };
-    println!("| entities | scene | by | drawn | casters | lamps | step, ms (99%) | of Bevy's | frame |");
+    println!(
+        "| entities | scene | by | drawn | casters | lamps | step, ms: median, mean (99%) | of Bevy's | frame: mean (99%) |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     for size in sizes {
         SCENES.iter().for_each(|scene| measure(size, scene));
@@ -139,6 +141,7 @@ fn city(size: usize, scene: &Scene, culls: Culls) -> App {
             break;
         }
     }
+    app.world_mut().resource_mut::<Marks>().0.clear();
     app
 }
 
@@ -191,19 +194,22 @@ fn measure(size: usize, scene: &Scene) {
         }
     }
     times.iter_mut().flatten().for_each(|times| times.sort_by(f64::total_cmp));
-    let bevys = times[0][0][FRAMES / 2];
+    let mean = |times: &[f64]| times.iter().sum::<f64>() / FRAMES as f64;
+    let (bevys, of_all) = (times[0][0][FRAMES / 2], mean(&times[0][0]));
     for (((_, name), [step, frame]), [drawn, casters, lamps]) in all.iter().zip(&times).zip(&sums) {
         let [middle, worst] = [FRAMES / 2, FRAMES * 99 / 100];
         println!(
-            "| {size} | {} | {name} | {} | {} | {:.1} | {:.3} ({:.3}) | {:.2} | {:.2} ({:.2}) |",
+            "| {size} | {} | {name} | {} | {} | {:.1} | {:.3}, {:.3} ({:.3}) | {:.2}, {:.2} | {:.2} ({:.2}) |",
             scene.name,
             drawn / FRAMES,
             casters / FRAMES,
             *lamps as f64 / FRAMES as f64,
             step[middle],
+            mean(step),
             step[worst],
             step[middle] / bevys,
-            frame[middle],
+            mean(step) / of_all,
+            mean(frame),
             frame[worst],
         );
     }

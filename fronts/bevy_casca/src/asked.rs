@@ -11,7 +11,6 @@ use bevy_ecs::prelude::*;
 use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_transform::components::GlobalTransform;
-use casca::Method;
 
 use crate::materials::Deferred;
 use crate::scene::{CascaScene, InScene};
@@ -44,7 +43,7 @@ fn ask(world: &World, entity: EntityRef) -> Result<(), WhyNot> {
     let settings = world.get_resource::<CascaSettings>().ok_or(WhyNot::Off)?;
     let casca = world.get_resource::<CascaScene>().ok_or(WhyNot::Off)?;
     let meshes = world.get_resource::<Assets<Mesh>>().ok_or(WhyNot::Off)?;
-    if !settings.enabled || matches!(settings.method, Method::Frustum) {
+    if !settings.enabled {
         return Err(WhyNot::Off);
     }
     let disabling = world.get_resource::<DefaultQueryFilters>();

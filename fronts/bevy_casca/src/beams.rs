@@ -7,7 +7,7 @@ use bevy_ecs::entity::{Entity, EntityHashMap};
 use bevy_math::{Affine3A, Mat3A, Vec3A};
 use bevy_platform::collections::HashMap;
 use bevy_tasks::ComputeTaskPool;
-use casca::{Method, Query, Scene, View};
+use casca::{Method, PointOptions, Query, Scene, View};
 
 /// More changes than this in a frame count as changes everywhere.
 const MOST_CHANGES: usize = 256;
@@ -98,14 +98,14 @@ pub(crate) type Beams = HashMap<Key, Beam>;
 pub(crate) fn shine(
     beams: &mut Beams,
     (scene, changes, frame): (Option<&Scene>, &Changes, u32),
-    method: Method,
+    options: PointOptions,
     aims: Vec<(Key, Aim)>,
     moves: impl Fn(Entity) -> bool,
 ) {
     let mut old = std::mem::take(beams);
-    let Some(scene) = scene.filter(|_| !matches!(method, Method::Frustum)) else { return };
+    let Some(scene) = scene else { return };
     // Results that are kept should be as small as they get.
-    let method = if let Method::Point(how) = method { Method::Point(how.coherent(false)) } else { method };
+    let method = Method::Point(options.coherent(false));
     let mut jobs: Vec<(Key, Beam)> = Vec::new();
     for (key, aim) in aims {
         let (mut query, mut lit) = (Query::new(), Vec::new());

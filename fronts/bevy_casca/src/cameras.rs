@@ -8,7 +8,6 @@ use bevy_camera::visibility::{
     VisibilityClass, VisibilityRange, VisibleEntities, VisibleEntityRanges,
 };
 use bevy_camera::{Camera, Projection};
-use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_light::cluster::ClusterVisibilityClass;
@@ -16,7 +15,7 @@ use bevy_math::{Mat4, Vec3};
 use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
 use bevy_utils::{Parallel, TypeIdHashMap};
-use casca::{Method, Scene, View};
+use casca::{KeptOptions, KeptQuery, View};
 
 use crate::drawn::{self, Drawn};
 use crate::lamps::Lamps;
@@ -107,6 +106,10 @@ pub(crate) struct Cameras {
     no_occlusion: Has<NoOcclusionCulling>,
 }
 
+/// Results are kept for ways no longer than this share of a cell, to both sides: from longer ones more can
+/// be seen than pays.
+const REACH: f64 = 0.25;
+
 /// The lists of a camera, by classes.
 type Lists = TypeIdHashMap<Vec<Entity>>;
 
@@ -127,14 +130,27 @@ pub(crate) fn check_cameras(
     casca.forget();
     // Whatever happened meanwhile: what is not drawn may not hide.
     let strays = drawn::strays(casca, &drawn, &mut commands);
-    let views: Vec<(Entity, View)> = cameras
-        .iter()
-        .filter(|camera| camera.camera.is_active)
-        .filter_map(|camera| Some((camera.entity, camera.view()?)))
-        .collect();
-    match casca.scene.as_ref().filter(|_| !matches!(settings.method, Method::Frustum)) {
-        Some(scene) => run_all(scene, &mut casca.cameras, settings.method, &views),
-        None => casca.cameras.clear(),
+    let mut old = std::mem::take(&mut casca.cameras);
+    if std::mem::replace(&mut casca.options, settings.options) != settings.options {
+        old.clear();
+    }
+    if let Some(scene) = &casca.scene {
+        let reach = KeptOptions::new().reach((REACH * scene.grid().cell_size()) as f32);
+        let new = || {
+            let mut query = KeptQuery::with_options(reach).ok()?;
+            query.set_point_options(settings.options).ok().map(|()| query)
+        };
+        let active = cameras.iter().filter(|camera| camera.camera.is_active);
+        let mut jobs: Vec<(Entity, KeptQuery, View)> = active
+            .filter_map(|camera| Some((camera.entity, camera.view()?)))
+            .filter_map(|(key, view)| Some((key, old.remove(&key).or_else(new)?, view)))
+            .collect();
+        beams::each(&mut jobs, &|(_, query, view)| {
+            if !query.pvs().is_valid_for(scene, view) {
+                query.run(scene, view);
+            }
+        });
+        casca.cameras.extend(jobs.into_iter().map(|(key, query, _)| (key, query)));
     }
     let ranges = ranges.as_deref();
     // Lamps are decided after these lists are filled, by what of the visible entities they light.
@@ -157,7 +173,7 @@ pub(crate) fn check_cameras(
         );
         let shines = |lamp: &Entity| unmanaged.get_mut(*lamp).is_ok_and(|item| item.is_seen(&viewer));
         in_view.extend(later.keys().copied().filter(shines).map(|lamp| (lamp, camera.entity)));
-        match (casca.cameras.get(&camera.entity).map(casca::Query::pvs), &casca.scene) {
+        match (casca.cameras.get(&camera.entity).map(KeptQuery::pvs), &casca.scene) {
             (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
                 let mut seen = 0;
@@ -225,28 +241,6 @@ pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
     let start = Instant::now();
     let CascaScene { scene: Some(scene), cameras, counts, .. } = &mut *casca else { return };
     // Sets that are older still hold. Would one be refused, hidden entities only cost more.
-    let _ = scene.end_frame(cameras.values().map(casca::Query::pvs));
+    let _ = scene.end_frame(cameras.values().map(KeptQuery::pvs));
     counts.time += start.elapsed();
-}
-
-/// Runs a query for each view, the one of the frame before if there is one, and forgets others. A
-/// view has none if the method is refused.
-fn run_all(
-    scene: &Scene,
-    queries: &mut EntityHashMap<casca::Query>,
-    method: Method,
-    views: &[(Entity, View)],
-) {
-    let mut old = std::mem::take(queries);
-    let mut jobs: Vec<(Entity, casca::Query, &View)> = Vec::with_capacity(views.len());
-    for (key, view) in views {
-        let mut query = old.remove(key).unwrap_or_default();
-        if query.method() == method && query.pvs().is_valid_for(scene, view) {
-            queries.insert(*key, query);
-        } else if query.method() == method || query.set_method(method).is_ok() {
-            jobs.push((*key, query, view));
-        }
-    }
-    beams::each(&mut jobs, &|(_, query, view)| _ = query.run(scene, view));
-    queries.extend(jobs.into_iter().map(|(key, query, _)| (key, query)));
 }

@@ -69,7 +69,7 @@ pub(crate) fn check_suns(
         }
     }
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
-    shine(&mut beams, now, settings.method, aims, |entity| casters.moves(entity));
+    shine(&mut beams, now, settings.options, aims, |entity| casters.moves(entity));
     for (entity, light, frusta, _, mut visible, layers, seen, _) in &mut suns {
         // If shadow maps are disabled, there must be no entities.
         if !light.shadow_maps_enabled || !seen.get() {
@@ -194,7 +194,7 @@ pub(crate) fn check_lamps(
     let asked = lit.iter().filter_map(|lamp| lamps.get(*lamp).ok()).filter(|lamp| !lamp.no_occlusion);
     let aims = asked.filter_map(|lamp| Some(((lamp.entity, lamp.entity), lamp.aim()?))).collect();
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
-    shine(&mut beams, now, settings.method, aims, |entity| casters.moves(entity));
+    shine(&mut beams, now, settings.options, aims, |entity| casters.moves(entity));
     let origin = get_shadow_lod_origin(
         targets.transmute_lens_filtered(),
         origins.transmute_lens_filtered(),

@@ -8,7 +8,7 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
-use casca::{ObjectId, Query, Scene};
+use casca::{KeptQuery, ObjectId, PointOptions, Scene};
 
 use crate::beams::{Beams, Changes, Mover};
 use crate::border;
@@ -24,7 +24,9 @@ use crate::why_not::WhyNot;
 pub struct CascaScene {
     pub(crate) scene: Option<Scene>,
     pub(crate) occluders: Occluders,
-    pub(crate) cameras: EntityHashMap<Query>,
+    pub(crate) cameras: EntityHashMap<KeptQuery>,
+    /// Those that the queries of cameras were made with.
+    pub(crate) options: PointOptions,
     /// Of directional lights.
     pub(crate) suns: Beams,
     /// Of point lights and spot lights.
@@ -61,9 +63,9 @@ impl CascaScene {
         self.scene.as_ref()
     }
 
-    /// The query of a camera. [`casca::Query::pvs`] lists what the camera sees in this frame, and
-    /// [`casca::Query::sight`] answers questions about its view. `None` if it is culled by frustum only.
-    pub fn camera(&self, camera: Entity) -> Option<&casca::Query> {
+    /// The query of a camera. [`KeptQuery::pvs`] lists what the camera sees in this frame, and
+    /// [`KeptQuery::sight`] answers questions about its view. `None` if it is culled by frustum only.
+    pub fn camera(&self, camera: Entity) -> Option<&KeptQuery> {
         self.cameras.get(&camera)
     }
 

@@ -3,17 +3,17 @@
 use bevy_asset::Handle;
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
-use casca::{Method, PointOptions};
+use casca::PointOptions;
 
 /// How entities are culled. Change it at any time; it counts from the next frame on.
 #[derive(Resource, Debug, Clone, PartialEq)]
 pub struct CascaSettings {
     /// Whether casca culls. If not, entities are culled by frustum as Bevy does it. Default: true.
     pub enabled: bool,
-    /// How cameras find what they see, and lights what they shine on. [`Method::Frustum`] hides
-    /// nothing behind anything. An invalid method counts as that one. Default: [`Method::Point`],
-    /// [coherent](PointOptions::coherent).
-    pub method: Method,
+    /// How cameras find what they see, and lights what they shine on; invalid options hide nothing.
+    /// A camera keeps what it finds for the way that it goes in the next frames: [`casca::KeptQuery`].
+    /// Default: [`PointOptions::balanced`], [coherent](PointOptions::coherent).
+    pub options: PointOptions,
     /// Which shadow casters are left out. Default: [`Shadows::Lit`].
     pub shadows: Shadows,
     /// An entity that has not moved for so many frames counts as still, and may hide others.
@@ -36,7 +36,7 @@ impl Default for CascaSettings {
     fn default() -> Self {
         Self {
             enabled: true,
-            method: Method::Point(PointOptions::new().coherent(true)),
+            options: PointOptions::balanced().coherent(true),
             shadows: Shadows::Lit,
             still_after: 8,
             most_new: 1 << 14,

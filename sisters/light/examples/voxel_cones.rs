@@ -13,7 +13,7 @@ use std::error::Error;
 
 use casca_radiosity::Light;
 use casca_radiosity::lit::path::{PathTracer, Quantity, Render, Surface};
-use casca_radiosity::lit::{HdrImage, Kind, LitScene};
+use casca_radiosity::lit::{Kind, LitScene};
 use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
 
 const SIZE: (usize, usize) = (96, 72);
@@ -190,6 +190,12 @@ fn direct(scene: &LitScene, tracer: &PathTracer, v: &Voxel, off: f32) -> Vec3 {
     lights.sum::<Vec3>() * v.albedo / std::f32::consts::PI
 }
 
+/// The square root of the mean of squared differences over pixels and channels.
+fn rmse(truth: &[Vec3], pixels: impl Iterator<Item = Vec3>) -> f64 {
+    let sum: f64 = truth.iter().zip(pixels).map(|(a, b)| (*a - b).as_dvec3().length_squared()).sum();
+    (sum / (3 * truth.len()) as f64).sqrt()
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Kind::CornellPoint.build();
     let intensity = Vec3::new(25.0, 21.0, 11.0);
@@ -200,18 +206,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let shadow = truth(Quantity::Shadow(0))?;
     let shown = tracer.surfaces(&scene.camera, SIZE)?;
     let mean = |truth: &Render| {
-        let sum: f32 = truth.image.pixels().iter().map(|p| p.element_sum()).sum();
+        let sum: f32 = truth.image.iter().map(|p| p.element_sum()).sum();
         f64::from(sum / 3.0 / shown.len() as f32)
     };
-    let error = |truth: &Render, pixel: &dyn Fn(&Surface) -> Vec3| -> Result<f64, Box<dyn Error>> {
-        let pixels = shown.iter().map(|s| s.as_ref().map_or(Vec3::ZERO, pixel)).collect();
-        Ok(truth.image.rmse(&HdrImage::new(SIZE.0, SIZE.1, pixels)?)? / mean(truth))
+    let error = |truth: &Render, pixel: &dyn Fn(&Surface) -> Vec3| {
+        let pixels = shown.iter().map(|s| s.as_ref().map_or(Vec3::ZERO, pixel));
+        rmse(&truth.image, pixels) / mean(truth)
     };
-    let black = HdrImage::new(SIZE.0, SIZE.1, Vec::new())?;
-    let noise =
-        |truth: &Render| -> Result<f64, Box<dyn Error>> { Ok(truth.error.rmse(&black)? / mean(truth)) };
+    let noise = |truth: &Render| rmse(&truth.error, shown.iter().map(|_| Vec3::ZERO)) / mean(truth);
     println!("| N | step | opacity | first bounce | second bounce | shadow |\n|---|---|---|---|---|---|");
-    let [first, second, soft] = [noise(&truths[0])?, noise(&truths[1])?, noise(&shadow)?];
+    let [first, second, soft] = [noise(&truths[0]), noise(&truths[1]), noise(&shadow)];
     println!("| | | noise of the path tracer | {first:.2} | {second:.2} | {soft:.2} |");
     for n in SIZES {
         let mut voxels = Voxels::new(&scene, n);
@@ -222,7 +226,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let indirect = |voxels: &Voxels, s: &Surface| {
                 albedo(s) * voxels.gather(s.point.as_vec3(), s.normal.as_vec3(), how)
             };
-            let first = error(&truths[0], &|s| indirect(&voxels, s))?;
+            let first = error(&truths[0], &|s| indirect(&voxels, s));
             let soft = error(&shadow, &|s| {
                 let (at, normal) = (s.point.as_vec3(), s.normal.as_vec3());
                 let seen = scene.lights.first().and_then(|light| light.incident(at));
@@ -232,9 +236,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     let tan = ((1.0 - cosine * cosine).sqrt() / cosine).max(NARROWEST);
                     Vec3::splat(voxels.cone((at, normal), seen.direction, tan, seen.distance, how).w)
                 })
-            })?;
+            });
             voxels.fill(|lit, v| v.albedo * lit.gather(v.point, v.normal, how));
-            let second = error(&truths[1], &|s| indirect(&voxels, s))?;
+            let second = error(&truths[1], &|s| indirect(&voxels, s));
             let opacity = if how.1 { "of its step" } else { "of a cell" };
             println!("| {n} | {} | {opacity} | {first:.2} | {second:.2} | {soft:.2} |", how.0);
         }

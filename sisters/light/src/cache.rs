@@ -14,6 +14,7 @@ use crate::queues::{Unlit, Waiting, Wish};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
 use crate::surfaces::{Skipped, surfaces};
+use crate::texture::Texture;
 use crate::voxels::Voxels;
 
 /// The rays of a state: a range of [`Cache::rays`], empty if it is not gathered.
@@ -114,6 +115,7 @@ pub struct Cache {
     pub(crate) settings: Settings,
     pub(crate) objects: Vec<Object>,
     pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
     pub(crate) lights: Vec<Light>,
     pub(crate) sky: Sky,
     pub(crate) skipped: Skipped,
@@ -148,8 +150,8 @@ impl Cache {
         scene.check()?;
         let lattice = Lattice::new(&settings.grid, &settings.windows);
         let mut skipped = Skipped::default();
-        let all = surfaces(&scene.objects, &lattice, &mut skipped);
-        let voxels = Voxels::new(lattice, all, &scene.materials)?;
+        let all = surfaces(&scene.objects, (&scene.materials, &scene.textures), &lattice, &mut skipped);
+        let voxels = Voxels::new(lattice, all)?;
         let states = voxels.states() as usize;
         Ok(Self {
             settings,
@@ -159,6 +161,7 @@ impl Cache {
             skipped,
             lamps: Lamps::new(&voxels, &scene.materials),
             materials: scene.materials.clone(),
+            textures: scene.textures.clone(),
             starts: StartTable::new(voxels.states()),
             voxels,
             blocks: vec![Block::default(); states],

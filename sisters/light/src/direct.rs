@@ -53,7 +53,9 @@ impl Lamps {
         for (surface, s) in (0..).zip(&voxels.surfaces) {
             let material = &materials[s.material as usize];
             if material.emits() {
-                let (radiance, bright) = (material.emission, luminance(material.emission));
+                // Nothing shines in holes.
+                let radiance = material.emission * s.mean().1;
+                let bright = luminance(radiance);
                 power += bright * s.area;
                 all.push(Lamp { surface, radiance, bright, share: power });
             }

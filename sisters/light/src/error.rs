@@ -42,6 +42,26 @@ pub enum LightError {
         /// How many there are.
         count: usize,
     },
+    /// A texture without texels, or with more or fewer than its sides say.
+    #[error("a texture of {width} x {height} has {texels} texels")]
+    Texels {
+        /// Its texels in a row.
+        width: u32,
+        /// Its rows.
+        height: u32,
+        /// How many came.
+        texels: usize,
+    },
+    /// A material with a texture that the scene does not have.
+    #[error("material {material} has texture {texture}; there are {count}")]
+    Texture {
+        /// The material.
+        material: usize,
+        /// Its texture.
+        texture: u32,
+        /// How many there are.
+        count: usize,
+    },
     /// A number that is not finite or not in its range.
     #[error("{what} {index}: {value} is not within {low} and {high}")]
     Value {

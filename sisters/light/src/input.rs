@@ -1,9 +1,10 @@
 //! What goes in: triangles, materials, lights, the sky, the grid and the settings.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::error::{LightError, bright, numbers, some_rays, way};
 use crate::numeric::{ABSURD, FINEST, MOST_CELLS, OUTLIER};
+use crate::texture::Texture;
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,27 +20,33 @@ pub struct Triangle {
 pub struct Object {
     /// The triangles. Those that are not finite or have no area are left out and counted.
     pub triangles: Vec<Triangle>,
+    /// By triangle: where its corners lie in the texture of its material. A triangle beyond the end is
+    /// as if its material had none.
+    pub uv: Vec<[Vec2; 3]>,
 }
 
 impl From<Vec<Triangle>> for Object {
     fn from(triangles: Vec<Triangle>) -> Self {
-        Self { triangles }
+        Self { triangles, uv: Vec::new() }
     }
 }
 
 /// What a surface does to light.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Material {
-    /// The share of light that is scattered diffusely, by channel, 0 to 1: the mean over the surface.
+    /// The share of light that is scattered diffusely, by channel, 0 to 1.
     pub albedo: Vec3,
     /// Emitted radiance, in watts per square metre and steradian, by channel.
     pub emission: Vec3,
+    /// Index into [`Scene::textures`]: its colours times `albedo` are the albedo, and light passes its
+    /// holes.
+    pub texture: Option<u32>,
 }
 
 impl Material {
-    /// A material of an albedo and an emission.
+    /// A material of an albedo and an emission, without a texture.
     pub const fn new(albedo: Vec3, emission: Vec3) -> Self {
-        Self { albedo, emission }
+        Self { albedo, emission, texture: None }
     }
 
     /// Whether its surfaces are lamps.
@@ -158,6 +165,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// What they are of.
     pub materials: Vec<Material>,
+    /// What is painted on them.
+    pub textures: Vec<Texture>,
     /// Lights that are no surfaces.
     pub lights: Vec<Light>,
     /// The light from outside.
@@ -295,6 +304,10 @@ impl Scene {
         for (index, m) in self.materials.iter().enumerate() {
             numbers("the albedo of material", index, m.albedo, 0.0..=1.0)?;
             bright("the emission of material", index, m.emission)?;
+            let count = self.textures.len();
+            if let Some(texture) = m.texture.filter(|t| *t as usize >= count) {
+                return Err(LightError::Texture { material: index, texture, count });
+            }
         }
         for (object, o) in self.objects.iter().enumerate() {
             o.check(object, self.materials.len())?;

@@ -55,7 +55,7 @@
 //!
 //! # Limits
 //!
-//! Diffuse surfaces only; the surface of a cell has one mean albedo. Contact shadows and folds
+//! Diffuse surfaces only; the surface of a cell has one albedo, the mean of its textures. Contact shadows and folds
 //! smaller than a cell blur. What lies outside of the grid is not there, and rays that leave it see
 //! the sky. Results depend on neither threads, nor
 //! time, nor hash order.
@@ -80,6 +80,7 @@ mod queues;
 mod spread;
 mod states;
 mod surfaces;
+mod texture;
 mod tree;
 mod voxels;
 mod windows;
@@ -91,3 +92,4 @@ pub use mirrors::Seen;
 pub use moves::Moved;
 pub use query::Irradiance;
 pub use surfaces::Skipped;
+pub use texture::Texture;

@@ -155,7 +155,8 @@ impl Cache {
     /// gathered states around. So shadows are as soft as a cell is wide.
     fn along(&self, from: DVec3, direction: DVec3) -> Vec3 {
         let Some(met) = self.meets(from, direction) else { return self.sky.radiance(direction.as_vec3()) };
-        let material = &self.materials[self.voxels.surfaces[met.surface as usize].material as usize];
-        material.emission + material.albedo / PI * self.stored(&met.spot)
+        let surface = &self.voxels.surfaces[met.surface as usize];
+        let emission = self.materials[surface.material as usize].emission;
+        emission + surface.mean().0 / PI * self.stored(&met.spot)
     }
 }

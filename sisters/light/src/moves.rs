@@ -125,8 +125,8 @@ impl Cache {
         changed.sort_unstable();
         changed.dedup();
         let mut skipped = Skipped::default();
-        let all = surfaces(&objects, &self.voxels.lattice, &mut skipped);
-        let voxels = self.voxels.moved(all, &changed, &self.materials)?;
+        let all = surfaces(&objects, (&self.materials, &self.textures), &self.voxels.lattice, &mut skipped);
+        let voxels = self.voxels.moved(all, &changed)?;
         self.objects = objects;
         self.skipped = skipped;
         self.lamps = Lamps::new(&voxels, &self.materials);

@@ -230,6 +230,16 @@ pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// errs by 2^-26 near 1.
 pub(crate) const BAND: f64 = 1e-6;
 
+/// Samples of a texture for each texel of a part of a triangle, and for each part at least and at most.
+///
+/// Four in a texel err by an eighth of it; 64 of a part with black and white texels err by 5%, but other
+/// parts by other amounts.
+pub(crate) const TEXEL_SAMPLES: f64 = 4.0;
+/// See [`TEXEL_SAMPLES`].
+pub(crate) const LEAST_SAMPLES: f64 = 4.0;
+/// See [`TEXEL_SAMPLES`].
+pub(crate) const MOST_SAMPLES: f64 = 64.0;
+
 /// A triangle with a corner so many times as far from the middle as the median corner does not
 /// stretch [`crate::Grid::around`].
 pub(crate) const OUTLIER: f32 = 1000.0;

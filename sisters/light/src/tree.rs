@@ -2,6 +2,8 @@
 //! large, around the test of Möller and Trumbore (1997) in double precision. Nodes have four
 //! parts, whose boxes are tested together, and are split by the surface area heuristic (Wald 2007).
 
+use std::sync::Arc;
+
 use glam::{DVec3, IVec3, Vec3A, Vec4};
 use smallvec::SmallVec;
 
@@ -11,9 +13,10 @@ use crate::lattice::Lattice;
 use crate::numeric::LEAVES;
 use crate::numeric::{BINS, BOX, GROW, LEAF, LEVEL, NO_WAY};
 use crate::surfaces::Surface;
+use crate::texture::Skin;
 
 /// A triangle as rays are tested against it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Facet {
     corner: DVec3,
     first: DVec3,
@@ -21,12 +24,15 @@ struct Facet {
     /// [`Surface::slack`].
     slack: [f64; 3],
     surface: u32,
+    /// Its texture, if that has holes.
+    holes: Option<Arc<Skin>>,
 }
 
 impl Facet {
     fn new(s: &Surface, surface: u32) -> Self {
         let [a, b, c] = s.corners;
-        Self { corner: a, first: b - a, second: c - a, slack: s.slack(), surface }
+        let holes = s.skin.clone().filter(|skin| skin.texture.has_holes());
+        Self { corner: a, first: b - a, second: c - a, slack: s.slack(), surface, holes }
     }
 
     /// The distance along a unit direction at which a ray meets it, if it does ahead.
@@ -43,7 +49,8 @@ impl Facet {
         let distance = self.second.dot(q) / determinant;
         // Comparisons with NaN, of parallel rays, fail.
         let is_in = v >= -self.slack[2] && 1.0 - u - v >= -self.slack[0];
-        (is_in && distance >= 0.0).then_some(distance)
+        let is_solid = || self.holes.as_ref().is_none_or(|skin| skin.is_solid([u, v]));
+        (is_in && distance >= 0.0 && is_solid()).then_some(distance)
     }
 }
 

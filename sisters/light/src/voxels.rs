@@ -9,7 +9,6 @@ use glam::{DVec3, Vec3};
 use crate::clip::{Polygon, cross, inside, part_of, range, touched};
 use crate::error::LightError;
 use crate::forest::Forest;
-use crate::input::Material;
 use crate::lattice::{Cell, Lattice, Level};
 use crate::numeric::{FLAT, GAP, GROW, LEAST_PART, MOST_REFERENCES, SAME_NORMAL};
 use crate::surfaces::Surface;
@@ -58,7 +57,9 @@ struct Part {
     surface: u32,
     /// Twelve kinds of entries, or 255 if there is hardly any part.
     bin: u8,
+    /// Of what is solid, and its albedo.
     area: f32,
+    albedo: Vec3,
     /// The middle of its corners.
     middle: Vec3,
     /// Where it lies along its dominant axis.
@@ -67,16 +68,21 @@ struct Part {
 }
 
 impl Part {
-    /// The part in a cell of a triangle with a number and a bin, whose corners are in cells of that
-    /// size.
-    fn new(lattice: &Lattice, cell: Cell, whole: &Polygon, (surface, bin): (u32, u8)) -> Self {
+    /// The part in a cell of a triangle, whose corners are in cells of that size.
+    fn new(lattice: &Lattice, cell: Cell, whole: &Polygon, (number, surface): (u32, &Surface)) -> Self {
         let polygon = part_of(whole, cell.at);
+        let bin = bin_of(surface);
         let area = 0.5 * cross(&polygon).length();
+        let in_grid = || polygon.iter().map(|p| *p / lattice.fine(cell)).collect();
+        let of = lattice.number(cell);
+        let (albedo, solid) = if area > 0.0 { surface.over(in_grid, of.into()) } else { (Vec3::ZERO, 0.0) };
+        let area = area * f64::from(solid);
         let (low, high) = range(&polygon, usize::from(bin % 6 / 2));
         let middle = polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64;
         Self {
-            cell: lattice.number(cell),
-            surface,
+            cell: of,
+            surface: number,
+            albedo,
             bin: if area > LEAST_PART { bin } else { u8::MAX },
             area: area as f32,
             middle: (middle / lattice.fine(cell)).as_vec3(),
@@ -106,37 +112,30 @@ pub(crate) struct Voxels {
 }
 
 /// The kind of entry that a surface belongs to.
-fn bin_of(surface: &Surface, materials: &[Material]) -> u8 {
-    let (normal, emits) = (surface.normal, materials[surface.material as usize].emits());
-    let axis = normal.abs().max_position();
-    (2 * axis) as u8 + u8::from(normal[axis] < 0.0) + 6 * u8::from(emits)
+fn bin_of(surface: &Surface) -> u8 {
+    let axis = surface.normal.abs().max_position();
+    (2 * axis) as u8 + u8::from(surface.normal[axis] < 0.0) + 6 * u8::from(surface.emits)
 }
 
 impl Voxels {
     /// O(touched cells times their logarithm).
-    pub(crate) fn new(
-        lattice: Lattice,
-        surfaces: Vec<Surface>,
-        materials: &[Material],
-    ) -> Result<Self, LightError> {
+    pub(crate) fn new(lattice: Lattice, surfaces: Vec<Surface>) -> Result<Self, LightError> {
         let tree = Forest::new(&lattice, &surfaces);
-        Self::with(lattice, surfaces, tree, materials)
+        Self::with(lattice, surfaces, tree)
     }
 
     /// The same with the tree of the triangles.
-    pub(crate) fn with(
-        lattice: Lattice,
-        surfaces: Vec<Surface>,
-        tree: Forest,
-        materials: &[Material],
-    ) -> Result<Self, LightError> {
+    pub(crate) fn with(lattice: Lattice, surfaces: Vec<Surface>, tree: Forest) -> Result<Self, LightError> {
         let mut voxels = Self::empty(lattice, surfaces, tree);
-        let mut parts = voxels.parts(materials)?;
+        let mut parts = Vec::new();
+        for surface in (0..).zip(&voxels.surfaces) {
+            voxels.add_all_parts(surface, &mut parts)?;
+        }
         voxels.sort(&mut parts);
         for of_cell in parts.chunk_by(|a, b| a.cell == b.cell) {
             let (brick, bit) = lattice.slot_of(of_cell[0].cell);
             voxels.masks[brick] |= 1 << bit;
-            voxels.add_cell(of_cell, materials);
+            voxels.add_cell(of_cell);
         }
         voxels.count();
         Ok(voxels)
@@ -174,39 +173,25 @@ impl Voxels {
         }
     }
 
-    fn parts(&self, materials: &[Material]) -> Result<Vec<Part>, LightError> {
-        let mut parts = Vec::new();
-        for (i, surface) in self.surfaces.iter().enumerate() {
-            let bin = bin_of(surface, materials);
-            if !self.add_all_parts((i as u32, bin), surface, &mut parts) {
-                return Err(LightError::TooManyReferences);
-            }
-        }
-        Ok(parts)
-    }
-
-    /// Adds the parts of a triangle, with its number and bin, in all cells; false if they are too
-    /// many.
-    fn add_all_parts(&self, kind: (u32, u8), surface: &Surface, parts: &mut Vec<Part>) -> bool {
-        (0..self.lattice.levels().len()).all(|level| self.add_parts(level, kind, surface, parts))
-    }
-
-    /// The same in cells of one size.
-    fn add_parts(&self, level: usize, kind: (u32, u8), surface: &Surface, parts: &mut Vec<Part>) -> bool {
-        let Level { fine, low, dims, .. } = self.lattice.levels()[level];
-        let whole = surface.scaled(fine);
-        let margin = GROW * fine;
-        touched(&inside(&whole, low, low + dims, margin), low, low + dims, margin, &mut |at| {
-            let cell = Cell { level, at };
-            if !self.lattice.is_finer(cell) {
-                parts.push(Part::new(&self.lattice, cell, &whole, kind));
-            }
-            parts.len() < MOST_REFERENCES
-        })
+    /// Adds the parts of a triangle, with its number, in all cells, if they are not too many.
+    fn add_all_parts(&self, surface: (u32, &Surface), parts: &mut Vec<Part>) -> Result<(), LightError> {
+        let in_cells = |(level, of): (usize, &Level)| {
+            let Level { fine, low, dims, .. } = *of;
+            let (whole, margin) = (surface.1.scaled(fine), GROW * fine);
+            touched(&inside(&whole, low, low + dims, margin), low, low + dims, margin, &mut |at| {
+                let cell = Cell { level, at };
+                if !self.lattice.is_finer(cell) {
+                    parts.push(Part::new(&self.lattice, cell, &whole, surface));
+                }
+                parts.len() < MOST_REFERENCES
+            })
+        };
+        let is_all = self.lattice.levels().iter().enumerate().all(in_cells);
+        if is_all { Ok(()) } else { Err(LightError::TooManyReferences) }
     }
 
     /// Adds a cell with its parts, which are sorted by bin and surface.
-    fn add_cell(&mut self, parts: &[Part], materials: &[Material]) {
+    fn add_cell(&mut self, parts: &[Part]) {
         let (first, start) = (self.entries.len(), self.references.len());
         for of_bin in parts.chunk_by(|a, b| a.bin == b.bin) {
             if of_bin[0].bin == u8::MAX {
@@ -227,7 +212,7 @@ impl Voxels {
                 let (near, others) = rest.split_at(gap.unwrap_or(rest.len()));
                 rest = others;
                 let rank = (self.entries.len() - first) as u16;
-                self.add_entry(near, rank, materials);
+                self.add_entry(near, rank);
             }
         }
         if let [entry] = &mut self.entries[first..] {
@@ -239,14 +224,14 @@ impl Voxels {
         self.heads.push(self.entries.len() as u32);
     }
 
-    fn add_entry(&mut self, parts: &[Part], rank: u16, materials: &[Material]) {
+    fn add_entry(&mut self, parts: &[Part], rank: u16) {
         let number = self.entries.len() as u32;
         let first = self.members.len() as u32;
         let (mut normal, mut albedo, mut middle, mut area) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
         for p in parts {
             let (surface, share) = (&self.surfaces[p.surface as usize], f64::from(p.area));
             normal += surface.normal * share;
-            albedo += materials[surface.material as usize].albedo.as_dvec3() * share;
+            albedo += p.albedo.as_dvec3() * share;
             middle += p.middle.as_dvec3() * share;
             area += share;
             self.members.push(p.surface);

@@ -70,7 +70,7 @@ impl Cache {
             return Ok(self.unmoved());
         }
         let surfaces = self.voxels.surfaces.clone();
-        let voxels = Voxels::with(lattice, surfaces, self.voxels.tree.clone(), &self.materials)?;
+        let voxels = Voxels::with(lattice, surfaces, self.voxels.tree.clone())?;
         self.settings = settings;
         Ok(self.replace(voxels, &Change::Windows(resized(&old, &lattice))))
     }

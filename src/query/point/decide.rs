@@ -144,8 +144,9 @@ impl SecondTest {
 }
 
 /// Whether an object that was visible in the last run stays so unless the buffers hide it at once.
+/// Not in results that are kept: these are found so seldom that it would stay for hundreds of frames.
 fn stays(drawing: &Drawing, candidate: &Candidate) -> bool {
-    drawing.run.coherent && drawing.coherence().stays(candidate.slot)
+    drawing.run.coherent && !drawing.run.fixed_only && drawing.coherence().stays(candidate.slot)
 }
 
 /// Whether the middle of a candidate, or of one of its parts, is in an open pixel.

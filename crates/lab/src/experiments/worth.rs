@@ -31,7 +31,6 @@ struct Sampling {
 }
 
 fn contenders() -> Result<Vec<Contender>, LabError> {
-    let kept = KeptOptions::new().reach(0.05).turn(5f32.to_radians());
     let mut hzb = Contender::hzb(BUFFER.0, BUFFER.1);
     hzb.setting = "hzb".to_owned();
     Ok(vec![
@@ -39,7 +38,7 @@ fn contenders() -> Result<Vec<Contender>, LabError> {
         hzb,
         Contender::casca("casca fast", Method::Point(PointOptions::fast()))?,
         Contender::casca(BALANCED, Method::Point(PointOptions::balanced()))?,
-        Contender::kept("casca kept", kept)?,
+        Contender::kept("casca kept", KeptOptions::new())?,
     ])
 }
 
@@ -152,7 +151,7 @@ pub fn worth(lab: &Lab) -> Result<Section, LabError> {
         "A frame costs the time of its query, and the objects of its set times what one is worth: what it \
          costs to draw, skin or send. A person walks at 60 frames a second, as below, {} frames in \
          {stretches} places of each still scene; a frame counts with the least of {} walks, and times are \
-         means over frames. `kept` is a `KeptQuery` for 5 cm and 5 degrees, `hzb` has {}x{} pixels. Masked \
+         means over frames. `kept` is a `KeptQuery`, `hzb` has {}x{} pixels. Masked \
          Occlusion Culling (320x180 pixels, AVX2) and a rasterizer of baked quads (320x184, AVX2) are not \
          in this repository: their times are shares of that of `balanced` in one run of the same frames at \
          commit {origin}.",

@@ -223,13 +223,12 @@ fn mend_looks(root: &mut Object, views: &[bool], warnings: &Warnings) {
 
 fn mend_material(number: usize, material: &mut Value, textures: &[bool], warnings: &Warnings) -> bool {
     if let Some(members) = object(material) {
-        let unused = ["normalTexture", "occlusionTexture", "emissiveTexture"];
-        members.retain(|name, _| !unused.contains(&name.as_str()));
+        let is_sound = |i: &Value| names(i, "index", textures) && i.get("texCoord").is_none_or(Value::is_u64);
+        let unused = ["normalTexture", "occlusionTexture"];
+        members
+            .retain(|name, i| !unused.contains(&name.as_str()) && (name != "emissiveTexture" || is_sound(i)));
         if let Some(pbr) = members.get_mut("pbrMetallicRoughness").and_then(object) {
-            pbr.remove("metallicRoughnessTexture");
-            if pbr.get("baseColorTexture").is_some_and(|info| !names(info, "index", textures)) {
-                pbr.remove("baseColorTexture");
-            }
+            pbr.retain(|name, info| !name.ends_with("Texture") || is_sound(info));
         }
     }
     let is_known = |material: &Material| matches!(material.alpha_mode, Checked::Valid(_));

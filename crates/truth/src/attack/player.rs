@@ -10,6 +10,7 @@ use casca::{
 };
 use glam::{DVec3, Vec3};
 
+use super::dice::Dice;
 use super::forms::{Form, Shelf};
 use super::ops::{Config, Hides, Look, Moves, Op};
 use super::solid::Solid;
@@ -128,7 +129,7 @@ impl Player {
             (point.refine_squares(64).refine_patches(100), CellOptions::default().mask_resolution(mask))
         };
         let (late, cells) = options(3.0, 128);
-        let mut lasting = [(0.0, 0.0), (0.3, 0.5), (1.0, 4.0)].map(|(reach, turn)| {
+        let mut lasting = [(0.0, 0.0), (1.0, 2.0), (4.0, 8.0)].map(|(reach, turn)| {
             KeptQuery::with_options(KeptOptions::new().reach(reach).turn(turn)).unwrap_or_default()
         });
         for (kept, degrees) in lasting.iter_mut().zip([8.0, 3.0, 1.0]) {
@@ -218,7 +219,12 @@ impl Player {
                 let Some((view, mut truth)) = self.view(eye, *toward, limits)? else { return Ok(()) };
                 let view = view.with_layers(*mask);
                 truth.layers = *mask;
-                self.look(usize::from(*query % 3), *method, view, truth, *keep, *seed)
+                // Kept results are for ways: some cameras come from close by.
+                let mut dice = Dice::new(u64::from(*seed) ^ u64::from(u32::MAX));
+                let step = Vec3::from_array([(); 3].map(|()| dice.between(-0.25, 0.25)));
+                let before = self.view(eye - step, *toward, limits)?.filter(|_| dice.once_in(2));
+                let before = before.map(|(before, _)| before.with_layers(*mask));
+                self.look(usize::from(*query % 3), *method, (view, before), truth, *keep, *seed)
             }
             Op::Ask { nudge, toward, limits, seed } => self.ask(*nudge, *toward, limits, *seed),
             Op::End { queries, kept } => self.end(*queries, *kept),

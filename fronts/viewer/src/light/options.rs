@@ -26,7 +26,7 @@ pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf), or cornell, cornell-point or emissive [default: cornell]"))
+    mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf), cornell or cornell-point [default: cornell]"))
 )]
 pub struct Options {
     /// What all systems take.
@@ -44,9 +44,9 @@ pub struct Options {
     /// Adds so many balls that move, up to 1000
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(BALLS))]
     pub balls: u16,
-    /// Light times this is shown; 1 is white; 0.0001 to 10000
-    #[arg(long, default_value_t = 1.0, value_parser = |text: &str| number(text, EXPOSURES))]
-    pub exposure: f32,
+    /// Light times this is shown; 1 is white; 0.0001 to 10000 [default: by the picture's own light]
+    #[arg(long, value_parser = |text: &str| number(text, EXPOSURES))]
+    pub exposure: Option<f32>,
     /// Adds a sun that shines along x,y,z, with an irradiance of 10
     // Points may start with a minus, and are no single negative number.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
@@ -65,14 +65,10 @@ pub struct Options {
 
 impl Options {
     pub(super) fn open(&self) -> Result<Room, Failed> {
-        let mut start = Room::open(&self.scene(), self.balls)?;
+        let name = self.common.name().unwrap_or_else(|| "cornell".to_owned());
+        let mut start = Room::open(&name, self.balls)?;
         start.change(self.sun, self.from.zip(self.to).map(|(from, to)| (from.as_vec3(), to.as_vec3())));
         Ok(start)
-    }
-
-    /// The file or generated scene.
-    pub fn scene(&self) -> String {
-        self.common.name().unwrap_or_else(|| "cornell".to_owned())
     }
 
     /// How light is gathered.
@@ -85,9 +81,7 @@ impl Options {
     /// # Errors
     /// Names the options, and what to do.
     pub fn check(&self) -> Result<Vec<Layer>, String> {
-        if let (Some(from), Some(to)) = (self.from, self.to)
-            && from == to
-        {
+        if self.from.is_some() && self.from == self.to {
             return Err(
                 "--from and --to are the same point: the camera looks from one to the other".to_owned()
             );
@@ -150,8 +144,8 @@ mod tests {
             ("no/such.glb".to_owned(), "no/such.glb: cannot be read"),
             (file("broken.glb", b"glTF, but no more"), "broken.glb: is not a valid"),
             (file("empty.gltf", empty), "empty.gltf: holds no triangles"),
-            (file("house.obj", b"v 0 0 0"), "neither a .glb or .gltf file nor"),
-            (folder.to_str().unwrap().to_owned(), "neither a .glb or .gltf file nor"),
+            (file("house.obj", b"v 0 0 0"), "no .glb or .gltf file"),
+            (folder.to_str().unwrap().to_owned(), "no .glb or .gltf file"),
             ("house".to_owned(), "cornell-point"),
             (String::new(), "[FILE]"),
         ] {

@@ -7,7 +7,7 @@ use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
-use casca_stage::kernel::{Kernel, bind, filled};
+use casca_stage::kernel::{Kernel, among, bind, filled};
 use casca_stage::pass::{Draws, behind, over};
 use casca_stage::timing::Clock;
 use casca_stage::wgpu::{
@@ -54,6 +54,10 @@ const PULL: f32 = 1e-5;
 /// Depth by which back sides stand behind fronts at the same place: some roundings of single
 /// precision, and some millionths of the scene's length in its middle.
 const BEHIND: f32 = 1e-6;
+/// Texels that are looked at for each pixel along both axes.
+const TEXELS: u32 = 4;
+/// What the middle of a picture's light becomes: the grey that cards for cameras have.
+const GREY: f32 = 0.18;
 
 /// The camera as the shaders take it.
 #[repr(C)]
@@ -85,25 +89,39 @@ struct Corner {
     corners: [[f32; 3]; 3],
     normal: [f32; 3],
     material: u32,
+    uv: [[f32; 2]; 3],
 }
 
 /// Three corners for each triangle of a mesh, so that an object keeps its place when it moves. A
 /// triangle that cannot be drawn is a point.
 fn corners_of(object: &LitObject, materials: usize) -> Vec<Corner> {
     let mut all = Vec::with_capacity(3 * object.mesh.triangles.len());
-    for (triangle, &material) in object.mesh.triangles.iter().zip(object.materials.iter()) {
+    for (i, (triangle, &material)) in object.mesh.triangles.iter().zip(object.materials.iter()).enumerate() {
         let at = |v: &u32| object.mesh.positions.get(*v as usize).copied().unwrap_or(Vec3::NAN);
         let corners = triangle.each_ref().map(|v| object.transform.transform_point3(at(v)));
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize();
         match normal.filter(|_| (material as usize) < materials) {
             Some(normal) => {
                 let corners = corners.map(|at| at.to_array());
-                all.extend([Corner { corners, normal: normal.to_array(), material }; 3]);
+                let uv = object.uv.get(i).copied().unwrap_or_default().map(|p| p.to_array());
+                all.extend([Corner { corners, normal: normal.to_array(), material, uv }; 3]);
             }
             None => all.extend([Corner::zeroed(); 3]),
         }
     }
     all
+}
+
+/// By texture where its texels start and its size, and then the texels.
+fn texels_of(scene: &LitScene) -> Vec<u32> {
+    let (mut heads, mut texels) = (Vec::new(), Vec::new());
+    for texture in &scene.textures {
+        let (width, height) = texture.size();
+        heads.extend([(3 * scene.textures.len() + texels.len()) as u32, width, height]);
+        texels.extend(texture.texels().iter().map(|t| u32::from_le_bytes(*t)));
+    }
+    heads.extend(texels);
+    heads
 }
 
 /// The width of the lobe of GGX that a material mirrors by, if it does: that of as sharp a
@@ -183,6 +201,10 @@ pub struct Picture {
     /// By object: its first corner; one more for the end.
     firsts: Vec<usize>,
     materials: Buffer,
+    texels: Buffer,
+    /// What the last picture was exposed by.
+    exposed: Buffer,
+    expose: Kernel,
     material_count: usize,
     /// The length of the scene; not 0.
     reach: f32,
@@ -198,7 +220,8 @@ impl Picture {
     pub fn new(gpu: &Gpu, scene: &LitScene) -> Result<Self, GpuError> {
         let layers = LAYERS.map(|(name, l)| format!("const {}: u32 = {}u;\n", name.to_uppercase(), l as u32));
         let constants = format!(
-            "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\nconst BEHIND: f32 = {BEHIND:?};\n{}{}",
+            "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\nconst BEHIND: f32 = {BEHIND:?};\n\
+             const TEXELS: u32 = {TEXELS}u;\nconst GREY: f32 = {GREY:?};\n{}{}",
             std::f32::consts::PI,
             layers.concat(),
             include_str!("eye.wgsl")
@@ -219,8 +242,8 @@ impl Picture {
         let four = |v: Vec3| v.extend(0.0).to_array();
         let sound: Vec<Material> = scene.materials.iter().map(Material::sound).collect();
         let beside = |m: &Material| roughness(m).map_or(-1.0, |r| r);
-        let vectors =
-            |m: &Material| [m.albedo.extend(beside(m)).to_array(), four(m.emission), four(m.specular)];
+        let painted = |m: &Material| m.emission.extend(m.texture.map_or(0.0, |t| t as f32 + 1.0)).to_array();
+        let vectors = |m: &Material| [m.albedo.extend(beside(m)).to_array(), painted(m), four(m.specular)];
         let materials: Vec<[[f32; 4]; 3]> = sound.iter().map(vectors).collect();
         let has_mirrors = sound.iter().any(|m| roughness(m).is_some());
         Ok(Self {
@@ -229,12 +252,15 @@ impl Picture {
             gaps: Gaps::new(&gpu.device),
             mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device)),
             compose: Kernel::new(gpu, &picture, "compose", &[0, 1, 2, 3, 4, 5, 6, 7, 8]),
+            expose: Kernel::new(gpu, &screen, "expose", &[1, 2]),
             screen,
             shown: None,
             eye: filled(gpu, &[Eye::zeroed()], BufferUsages::UNIFORM)?,
             corners: filled(gpu, &corners, BufferUsages::VERTEX)?,
             firsts,
             materials: filled(gpu, &materials, BufferUsages::STORAGE)?,
+            texels: filled(gpu, &texels_of(scene), BufferUsages::STORAGE)?,
+            exposed: filled(gpu, &[1.0_f32], BufferUsages::STORAGE)?,
             material_count: count,
             reach: (max - min).length().max(f32::MIN_POSITIVE),
             sky: scene.sky,
@@ -258,7 +284,7 @@ impl Picture {
         gpu: &Gpu,
         (target, cache): (&Target, &GpuCache),
         camera: &Camera,
-        (layer, exposure): (Layer, f32),
+        (layer, exposure): (Layer, Option<f32>),
         clock: &mut Clock,
     ) -> Result<(), Failed> {
         if gpu.clamp(target.size()) != self.frame.size {
@@ -271,7 +297,7 @@ impl Picture {
             position: camera.eye.to_array(),
             layer: layer as u32,
             sky: self.sky.to_array(),
-            exposure,
+            exposure: exposure.unwrap_or(0.0),
             corner: corner.extend(self.reach).to_array(),
             right: four(right),
             down: four(down),
@@ -283,6 +309,10 @@ impl Picture {
         }
         self.light(gpu, cache, layer, clock)?;
         clock.stage(gpu, "compose", |e| self.compose(gpu, e))?;
+        // Layers are shown as the picture is, so that they can be compared.
+        if layer == Layer::Picture {
+            clock.stage(gpu, "expose", |e| self.expose.run(gpu, e, [1, 1], &|place| self.shown_by(place)))?;
+        }
         clock.stage(gpu, "show", |e| self.show(gpu, e, target))?;
         Ok(())
     }
@@ -299,10 +329,8 @@ impl Picture {
     }
 
     fn draw_surfaces(&self, gpu: &Gpu, encoder: &mut CommandEncoder) {
-        let own = [self.eye.as_entire_binding(), self.materials.as_entire_binding()];
-        let group = bind(gpu, &self.surfaces.get_bind_group_layout(0), &[0, 1], &|place| {
-            own.get(place as usize).cloned()
-        });
+        let own = among(&[(0, &self.eye), (1, &self.materials), (9, &self.texels)]);
+        let group = bind(gpu, &self.surfaces.get_bind_group_layout(0), &[0, 1, 9], &own);
         let cleared = |view| over(view, Some(wgpu::Color::TRANSPARENT));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &self.frame.surfaces.each_ref().map(cleared),
@@ -360,6 +388,15 @@ impl Picture {
         self.compose.run_pixels(gpu, encoder, frame.size.into(), &|place| own.get(place as usize).cloned());
     }
 
+    /// What light is shown by.
+    fn shown_by(&self, place: u32) -> Option<BindingResource<'_>> {
+        match place {
+            0 => Some(self.eye.as_entire_binding()),
+            1 => Some(BindingResource::TextureView(&self.frame.light)),
+            _ => Some(self.exposed.as_entire_binding()),
+        }
+    }
+
     fn show(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, target: &Target) {
         let format = target.colour.texture().format();
         if self.shown.as_ref().is_none_or(|(of, _)| *of != format) {
@@ -375,9 +412,7 @@ impl Picture {
             self.shown = Some((format, draws.pipeline(gpu)));
         }
         let Some((_, screen)) = &self.shown else { return };
-        let own = [self.eye.as_entire_binding(), BindingResource::TextureView(&self.frame.light)];
-        let group =
-            bind(gpu, &screen.get_bind_group_layout(0), &[0, 1], &|place| own.get(place as usize).cloned());
+        let group = bind(gpu, &screen.get_bind_group_layout(0), &[0, 1, 3], &|place| self.shown_by(place));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[over(&target.colour, Some(wgpu::Color::TRANSPARENT))],
             ..Default::default()
@@ -399,8 +434,8 @@ impl Picture {
 }
 
 fn surfaces(gpu: &Gpu, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
-    let attributes =
-        vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x3, 4 => Uint32];
+    let attributes = vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x3, 4 => Uint32,
+            5 => Float32x2, 6 => Float32x2, 7 => Float32x2];
     let buffer = wgpu::VertexBufferLayout {
         array_stride: size_of::<Corner>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,

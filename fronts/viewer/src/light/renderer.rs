@@ -68,9 +68,11 @@ pub struct Updated {
 
 /// A lit scene and its pictures.
 pub struct Renderer {
-    /// How pictures are exposed: light times this is shown, and 1 is white.
-    pub exposure: f32,
-    settings: Settings,
+    /// How pictures are exposed: light times this is shown, and 1 is white. By their own light, if it is
+    /// none.
+    pub exposure: Option<f32>,
+    /// How light is gathered; only read from outside.
+    pub settings: Settings,
     scene: LitScene,
     cache: Cache,
     device: GpuCache,
@@ -98,7 +100,7 @@ impl Renderer {
         let how = casca_radiosity::Settings { threads, windows, ..casca_radiosity::Settings::new(grid) };
         let cache = Cache::new(&given, how)?;
         Ok(Self {
-            exposure: 1.0,
+            exposure: None,
             settings,
             device: GpuCache::new(&gpu.device, &cache)?,
             picture: Picture::new(gpu, scene)?,
@@ -108,11 +110,6 @@ impl Renderer {
             asked: 0,
             updated: Updated::default(),
         })
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> Settings {
-        self.settings
     }
 
     /// What the cache holds.

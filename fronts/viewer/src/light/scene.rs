@@ -4,8 +4,9 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
+use casca_lit::load_lit;
 use casca_radiosity::Light;
-use casca_radiosity::lit::{Kind, LitObject, LitScene, Material, load_lit};
+use casca_radiosity::lit::{Kind, LitObject, LitScene, Material};
 use casca_scenes::world::{Camera, Mesh};
 use glam::{Affine3A, Quat, Vec3};
 
@@ -34,12 +35,7 @@ impl Room {
         let scene = if is_file {
             load_lit(Path::new(name))?
         } else {
-            let kind = name.parse::<Kind>();
-            let names = Kind::ALL.map(Kind::name).join(", ");
-            kind.map_err(|_| {
-                format!("{name:?} is neither a .glb or .gltf file nor a generated scene: {names}")
-            })?
-            .build()
+            name.parse::<Kind>().map_err(|why| format!("{why}, and it is no .glb or .gltf file"))?.build()
         };
         let (bounds, balls) = (scene.bounds(), usize::from(balls));
         let mut start = Self { scene, balls, bounds };
@@ -51,6 +47,7 @@ impl Room {
             start.scene.objects.push(LitObject {
                 materials: vec![material; mesh.triangles.len()].into(),
                 mesh: mesh.clone(),
+                uv: Arc::default(),
                 transform: start.ball(i, 0.0),
             });
         }

@@ -104,7 +104,7 @@ impl Viewer {
             }
             Err(why) => {
                 self.trouble = why.to_string();
-                let Settings { resolution, rays, .. } = self.renderer.settings();
+                let Settings { resolution, rays, .. } = self.renderer.settings;
                 (self.options.resolution, self.options.rays) = (resolution, rays);
                 self.renderer.set_lights(&self.room.scene.lights)?;
             }
@@ -130,7 +130,12 @@ impl Demo for Viewer {
         let options = &mut self.options;
         let is_other = dials.whole("cells", &mut options.resolution, 16..=256, 8)
             | dials.whole("rays of a surface in a cell", &mut options.rays, 4..=512, 1);
-        dials.number("exposure", &mut options.exposure, EXPOSURES);
+        let (mut is_own, mut exposure) = (options.exposure.is_none(), options.exposure.unwrap_or(1.0));
+        dials.switch("exposure by the picture", None, &mut is_own);
+        if dials.number("exposure", &mut exposure, EXPOSURES) {
+            is_own = false;
+        }
+        options.exposure = (!is_own).then_some(exposure);
         dials.switch("balls move (Space)", Some(KeyCode::Space), &mut self.moving);
         let (mut changed, (min, max)) = (false, self.room.bounds);
         for (number, lamp) in self.lamps.iter_mut().enumerate() {
@@ -145,7 +150,7 @@ impl Demo for Viewer {
                 changed |= dials.number(&format!("{name}, {what}{along}"), &mut vector[axis], range);
             }
         }
-        if is_other && !dials.is_held() && self.options.settings() != self.renderer.settings() {
+        if is_other && !dials.is_held() && self.options.settings() != self.renderer.settings {
             return self.remake(screen);
         }
         if changed {
@@ -185,12 +190,12 @@ impl Demo for Viewer {
         self.renderer.draw(gpu, target, &camera, LAYERS[self.layer].1, &mut Clock::off())?;
         gpu.wait()?;
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        let numbers = [
+        self.said = [
             format!("{milliseconds:.0} ms a frame on {}", gpu.name),
             told(&self.renderer),
             progress(&updated),
-        ];
-        self.said = numbers.into();
+        ]
+        .into();
         Ok(())
     }
 

@@ -10,5 +10,5 @@ mod types;
 mod weld;
 
 pub use normals::continuous_normals;
-pub use types::{Coat, Mesh, Vertex, linear_of};
+pub use types::{Coat, Mesh, Vertex};
 pub use weld::{Placing, center, prepare, weld};

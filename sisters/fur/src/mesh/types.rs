@@ -1,7 +1,5 @@
 //! Vertices, coats and indexed meshes.
 
-use std::sync::LazyLock;
-
 use casca::Aabb;
 use glam::Vec3;
 
@@ -40,18 +38,6 @@ impl Default for Coat {
     fn default() -> Self {
         Self { color: Vec3::ONE, length: 1.0 }
     }
-}
-
-/// The linear light of a byte of sRGB (IEC 61966-2-1), 0 to 1.
-pub fn linear_of(byte: u8) -> f32 {
-    static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-        std::array::from_fn(|byte| {
-            let stored = byte as f64 / 255.0;
-            let light = if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) };
-            light as f32
-        })
-    });
-    LINEAR[usize::from(byte)]
 }
 
 /// An indexed triangle mesh, checked: finite, not empty, and each index has its vertex.

@@ -1,5 +1,7 @@
 //! What the device gets: cells, states, triangles and lights, in single precision.
 
+use std::collections::HashMap;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -34,6 +36,8 @@ pub(super) struct Grid {
     list: u32,
     parts: u32,
     count: u32,
+    holes: u32,
+    unused: [u32; 3],
     levels: [Level; GRIDS],
 }
 
@@ -65,6 +69,7 @@ pub(super) fn cells(cache: &Cache) -> (Grid, Vec<u32>) {
     all.extend(parts.as_flattened());
     let list = all.len() as u32;
     all.extend(triangles);
+    let holes = add_holes(&voxels.surfaces, &mut all);
     let lattice = &voxels.lattice;
     let mut levels = [Level::default(); GRIDS];
     for (level, of) in levels.iter_mut().zip(lattice.levels()) {
@@ -80,9 +85,35 @@ pub(super) fn cells(cache: &Cache) -> (Grid, Vec<u32>) {
         list,
         parts: parts.len() as u32,
         count: lattice.levels().len() as u32,
+        holes,
+        unused: [0; 3],
         levels,
     };
     (grid, all)
+}
+
+/// Adds the holes of triangles, and returns where they start, or 0 if there are none: by triangle 0 or a
+/// place; there where its corners lie in a texture, the size of that, and where its bits start: 1 is solid.
+fn add_holes(surfaces: &[Surface], all: &mut Vec<u32>) -> u32 {
+    let skin = |s: &Surface| s.skin.clone().filter(|skin| skin.texture.has_holes());
+    if !surfaces.iter().any(|s| skin(s).is_some()) {
+        return 0;
+    }
+    let start = all.len();
+    all.resize(start + surfaces.len(), 0);
+    let mut bits = HashMap::new();
+    for (number, skin) in surfaces.iter().enumerate().filter_map(|(i, s)| Some((i, skin(s)?))) {
+        let texels = skin.texture.texels();
+        let bits = *bits.entry(texels.as_ptr()).or_insert_with(|| {
+            let bit = |(i, t): (u32, &[u8; 4])| u32::from(t[3] > 0) << i;
+            all.extend(texels.chunks(32).map(|word| (0..).zip(word).map(bit).sum::<u32>()));
+            (all.len() - texels.len().div_ceil(32)) as u32
+        });
+        all[start + number] = all.len() as u32;
+        let (width, height) = skin.texture.size();
+        all.extend(skin.uv.iter().flat_map(|p| p.to_array().map(f32::to_bits)).chain([width, height, bits]));
+    }
+    start as u32
 }
 
 /// The gathered states and their starts.
@@ -122,7 +153,7 @@ pub(super) fn triangles(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
 pub(super) fn skins(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
     let of = |s: &Surface| {
         let m = &cache.materials[s.material as usize];
-        [four(m.albedo / std::f32::consts::PI, 0.0), four(m.emission, 0.0), four(s.normal.as_vec3(), 0.0)]
+        [four(s.mean().0 / std::f32::consts::PI, 0.0), four(m.emission, 0.0), four(s.normal.as_vec3(), 0.0)]
     };
     cache.voxels.surfaces.iter().map(of).collect()
 }

@@ -27,7 +27,7 @@ fn gaps(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) in
         light = textureLoad(before, id, 0);
         let position = textureLoad(place, id, 0);
         let normal = textureLoad(normals, id, 0).xyz;
-        if light.w == 0.0 && position.w == 1.0 && dot(normal, normal) > 0.0 {
+        if light.w == 0.0 && position.w >= 1.0 && dot(normal, normal) > 0.0 {
             let facing = normalize(normal);
             let spot = (position.xyz - casca_grid.low) / casca_grid.cell + facing * LIFT;
             // From farther away than half of FAR, the way to the grid may be longer than FAR.

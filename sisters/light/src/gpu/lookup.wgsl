@@ -18,6 +18,8 @@ struct CascaGrid {
     parts: u32,
     // How many levels there are: the grid, and windows in it.
     count: u32,
+    // Where holes of triangles start, or 0.
+    holes: u32,
     levels: array<CascaLevel, 3>,
 }
 
@@ -64,7 +66,21 @@ fn casca_meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
     let v = dot(direction, q) / determinant;
     let distance = dot(triangle[2].xyz, q) / determinant;
     let is_in = u >= -triangle[1].w && v >= -triangle[2].w && 1.0 - u - v >= -triangle[0].w;
-    return select(-1.0, distance, is_in && distance >= 0.0);
+    let is_met = is_in && distance >= 0.0 && !(casca_grid.holes > 0u && casca_hole(number, u, v));
+    return select(-1.0, distance, is_met);
+}
+
+// Whether a triangle has a hole at barycentric coordinates of its second and third corner.
+fn casca_hole(number: u32, u: f32, v: f32) -> bool {
+    let at = casca_cells[casca_grid.holes + number];
+    if at == 0u { return false; }
+    let a = bitcast<vec2f>(vec2u(casca_cells[at], casca_cells[at + 1u]));
+    let b = bitcast<vec2f>(vec2u(casca_cells[at + 2u], casca_cells[at + 3u]));
+    let c = bitcast<vec2f>(vec2u(casca_cells[at + 4u], casca_cells[at + 5u]));
+    let size = vec2u(casca_cells[at + 6u], casca_cells[at + 7u]);
+    let texel = min(vec2u(fract(a + (b - a) * u + (c - a) * v) * vec2f(size)), size - 1u);
+    let bit = texel.y * size.x + texel.x;
+    return ((casca_cells[casca_cells[at + 8u] + bit / 32u] >> (bit % 32u)) & 1u) == 0u;
 }
 
 fn casca_sees(spot: vec3f, state: CascaState) -> bool {

@@ -113,7 +113,7 @@ fn mirrors(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index)
             let position = textureLoad(place, id, 0);
             let normal = unit_of(textureLoad(normals, id, 0).xyz);
             let eye = unit_of(gloss.eye - position.xyz);
-            if position.w == 1.0 && any(normal != vec3f(0.0)) && any(eye != vec3f(0.0)) {
+            if position.w >= 1.0 && any(normal != vec3f(0.0)) && any(eye != vec3f(0.0)) {
                 part = casca_mirrored(position.xyz, normal, eye, min(rough, 1.0), lane);
             }
         }

@@ -44,7 +44,7 @@ impl Shading {
 /// What the application drew.
 #[derive(Debug, Clone, Copy)]
 pub struct Surfaces<'a> {
-    /// Positions in metres, with a fourth component of 1 where there is a surface.
+    /// Positions in metres, with a fourth component of 1 or more where there is a surface.
     pub place: &'a TextureView,
     /// Normals, of any length but 0; 0 shows nothing.
     pub normals: &'a TextureView,

@@ -2,16 +2,13 @@
 //! camera.
 //!
 //! - [`Kind`]: generated scenes, such as the Cornell box.
-//! - [`load_lit`]: a glTF file with its materials and lights.
+//! - `casca-lit` reads glTF files with their materials and lights.
 //! - [`path`]: what light reaches a camera, by a path tracer: the truth beside the cache.
 //!
 //! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one
-//! material, and looks the same from both sides, unless light passes it from its back. Textures are
-//! not read: a material has its base colour everywhere. Panes are left out: light passes them
-//! untinted and unbent, and they mirror nothing.
+//! material, and looks the same from both sides, unless light passes it from its back. Panes are left
+//! out: light passes them untinted and unbent, and they mirror nothing.
 
-mod file;
-mod image;
 mod light;
 pub mod path;
 mod scenes;
@@ -21,14 +18,12 @@ mod tests;
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
 use casca_scenes::world::{Camera, Mesh, Sides, turn_of};
 
-use crate::{Grid, Light, Object, Scene, Sky, Triangle};
+use crate::{Grid, Light, Object, Scene, Sky, Texture, Triangle};
 
-pub use file::{load_lit, read_lit};
-pub use image::{HdrImage, ImageError, MOST_PIXELS};
 pub use light::Incident;
 pub use scenes::Kind;
 
@@ -49,13 +44,16 @@ pub struct Material {
     pub emission: Vec3,
     /// From which sides it is seen, and stops what looks at it; from others there is nothing.
     pub sides: Sides,
+    /// Index into [`LitScene::textures`]: its colours times `albedo` are what is reflected diffusely, and
+    /// nothing is in its holes.
+    pub texture: Option<u32>,
 }
 
 impl Material {
     /// A matt surface that emits nothing.
     pub const fn matt(albedo: Vec3) -> Self {
         let (specular, emission) = (Vec3::ZERO, Vec3::ZERO);
-        Self { albedo, specular, gloss: 0.0, emission, sides: Sides::Both }
+        Self { albedo, specular, gloss: 0.0, emission, sides: Sides::Both, texture: None }
     }
 
     /// A black surface that emits.
@@ -70,7 +68,7 @@ impl Material {
         let specular = finite(self.specular).min(Vec3::ONE);
         let gloss = if self.gloss.is_finite() { self.gloss.clamp(0.0, 1.0) } else { 0.0 };
         let albedo = finite(self.albedo).min(Vec3::ONE - specular);
-        Self { albedo, specular, gloss, emission: finite(self.emission), sides: self.sides }
+        Self { albedo, specular, gloss, emission: finite(self.emission), ..*self }
     }
 
     /// The exponent of the lobe around the mirror direction: 2 for a gloss of 0, 4096 for one of 1.
@@ -91,6 +89,8 @@ pub struct LitObject {
     pub mesh: Arc<Mesh>,
     /// By triangle of the mesh: an index into [`LitScene::materials`].
     pub materials: Arc<[u32]>,
+    /// By triangle: where its corners lie in the texture of its material; none if nothing is painted.
+    pub uv: Arc<[[Vec2; 3]]>,
     /// Object space to world space.
     pub transform: Affine3A,
 }
@@ -103,24 +103,27 @@ impl LitObject {
         number: u32,
         materials: &'a [Material],
     ) -> impl Iterator<Item = LitTriangle> + 'a {
-        let pairs = self.mesh.triangles.iter().zip(self.materials.iter());
+        let pairs = self.mesh.triangles.iter().zip(self.materials.iter()).enumerate();
         let mirrors = turn_of(&self.transform) < 0.0;
-        pairs.filter_map(move |(corners, &material)| {
+        pairs.filter_map(move |(i, (corners, &material))| {
+            let mut uv = self.uv.get(i).copied().unwrap_or_default();
             let mut corners = corners_of(&self.mesh, corners)?.map(|p| self.transform.transform_point3(p));
             if mirrors {
                 corners.swap(1, 2);
+                uv.swap(1, 2);
             }
             let stops = materials.get(material as usize).is_some_and(|m| m.sides != Sides::Neither);
             let is_sound = corners.iter().all(|p| p.is_finite()) && stops;
-            is_sound.then_some(LitTriangle { corners, material, object: number })
+            is_sound.then_some(LitTriangle { corners, uv, material, object: number })
         })
     }
 
     /// Its sound triangles where it is now, for a scene with these materials: see
     /// [`Cache::set_objects`](crate::Cache::set_objects). All stop light from both sides.
     pub fn lit(&self, materials: &[Material]) -> Object {
-        let triangle = |t: LitTriangle| Triangle { corners: t.corners, material: t.material };
-        self.triangles(0, materials).map(triangle).collect::<Vec<_>>().into()
+        let triangle = |t: LitTriangle| (Triangle { corners: t.corners, material: t.material }, t.uv);
+        let (triangles, uv) = self.triangles(0, materials).map(triangle).unzip();
+        Object { triangles, uv: if self.uv.is_empty() { Vec::new() } else { uv } }
     }
 }
 
@@ -129,6 +132,8 @@ impl LitObject {
 pub struct LitTriangle {
     /// Its corners, counter-clockwise seen from the front.
     pub corners: [Vec3; 3],
+    /// Where these lie in the texture of its material.
+    pub uv: [Vec2; 3],
     /// Index into [`LitScene::materials`].
     pub material: u32,
     /// Index into [`LitScene::objects`].
@@ -157,6 +162,8 @@ pub struct LitScene {
     pub objects: Vec<LitObject>,
     /// All materials.
     pub materials: Vec<Material>,
+    /// What is painted on them.
+    pub textures: Vec<Texture>,
     /// Lights that are no surfaces.
     pub lights: Vec<Light>,
     /// Radiance that comes from all directions where nothing is hit.
@@ -190,10 +197,14 @@ impl From<&LitScene> for Scene {
     ///
     /// Objects without sound triangles are empty, so that the others keep their numbers.
     fn from(scene: &LitScene) -> Self {
-        let material = |m: &Material| crate::Material::new(m.sound().albedo, m.sound().emission);
+        let material = |m: &Material| crate::Material {
+            texture: m.texture,
+            ..crate::Material::new(m.sound().albedo, m.sound().emission)
+        };
         Self {
             objects: scene.objects.iter().map(|o| o.lit(&scene.materials)).collect(),
             materials: scene.materials.iter().map(material).collect(),
+            textures: scene.textures.clone(),
             lights: scene.lights.clone(),
             sky: Sky::Even(scene.sky),
         }

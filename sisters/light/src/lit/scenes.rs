@@ -18,8 +18,6 @@ pub enum Kind {
     Cornell,
     /// The same, lit by a point below the ceiling instead of the patch.
     CornellPoint,
-    /// A grey room without light but an orange ball that emits.
-    Emissive,
 }
 
 const WHITE: Material = Material::matt(Vec3::new(0.73, 0.73, 0.73));
@@ -34,14 +32,13 @@ const PATCH_LIGHT: Vec3 = Vec3::new(18.4, 15.6, 8.0);
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Cornell, Self::CornellPoint, Self::Emissive];
+    pub const ALL: [Self; 2] = [Self::Cornell, Self::CornellPoint];
 
     /// Its name in file names and on command lines.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cornell => "cornell",
             Self::CornellPoint => "cornell-point",
-            Self::Emissive => "emissive",
         }
     }
 
@@ -65,7 +62,6 @@ impl Kind {
                 scene.lights.push(Light::point(position, color));
                 scene
             }
-            Self::Emissive => emissive(),
         }
     }
 }
@@ -86,6 +82,7 @@ fn seen(kind: Kind, camera: Camera) -> LitScene {
         name: kind.name().to_owned(),
         objects: Vec::new(),
         materials: Vec::new(),
+        textures: Vec::new(),
         lights: Vec::new(),
         sky: Vec3::ZERO,
         camera,
@@ -100,6 +97,7 @@ fn add(scene: &mut LitScene, mesh: Mesh, material: Material) {
     });
     scene.objects.push(LitObject {
         materials: vec![number as u32; mesh.triangles.len()].into(),
+        uv: Arc::default(),
         mesh: Arc::new(mesh),
         transform: Affine3A::IDENTITY,
     });
@@ -142,18 +140,4 @@ fn block(base: [[u16; 2]; 4], height: u16) -> Mesh {
     let corner = |(i, y): (usize, u16)| Vec3::new(metres(base[i][0]), metres(y), metres(base[i][1]));
     let positions = order.map(corner).to_vec();
     Mesh { positions, triangles: BOX_TRIANGLES.to_vec(), ..Mesh::default() }
-}
-
-fn emissive() -> LitScene {
-    let (eye, target) = (Vec3::new(0.3, 1.7, 2.7), Vec3::new(2.4, 0.8, 0.9));
-    let mut scene = seen(Kind::Emissive, Camera::look_at(eye, target, 60.0, ASPECT, 0.01, 100.0));
-    let mut room = Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 2.5, 3.0));
-    // It is looked at from inside.
-    room.triangles.iter_mut().for_each(|t| t.reverse());
-    add(&mut scene, room, Material::matt(Vec3::splat(0.6)));
-    let mut ball = Mesh::ball(3);
-    ball.positions.iter_mut().for_each(|p| *p = *p * 0.35 + Vec3::new(2.5, 0.9, 1.2));
-    add(&mut scene, ball, Material::emitter(Vec3::new(6.0, 3.0, 0.8)));
-    add(&mut scene, Mesh::cuboid(Vec3::new(1.3, 0.0, 0.5), Vec3::new(1.7, 1.1, 0.9)), WHITE);
-    scene
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::input::Grid;
+use crate::input::{Grid, Material};
 use crate::spread::unit;
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ fn scene(count: u64) -> (Lattice, Vec<Surface>) {
         if i.is_multiple_of(5) {
             corners.iter_mut().for_each(|c| c.y = middle.y.round());
         }
-        Surface::new(corners, 0, 0)
+        Surface::new(corners, 0, 0, &Material::default())
     };
     (lattice, (0..count).filter_map(surface).collect())
 }

@@ -2,10 +2,9 @@
 //! others are copied. What comes out is what would be made of all triangles.
 
 use crate::error::LightError;
-use crate::input::Material;
 use crate::numeric::MOST_REFERENCES;
 use crate::surfaces::Surface;
-use crate::voxels::{Entry, NONE, Part, Reference, Voxels, bin_of};
+use crate::voxels::{Entry, NONE, Part, Reference, Voxels};
 
 /// A brick, and the bit of a cell in it.
 type Slot = (usize, i32);
@@ -25,21 +24,14 @@ impl Voxels {
     ///
     /// # Errors
     /// If the triangles touch too many cells.
-    pub(crate) fn moved(
-        &self,
-        surfaces: Vec<Surface>,
-        changed: &[u32],
-        materials: &[Material],
-    ) -> Result<Self, LightError> {
+    pub(crate) fn moved(&self, surfaces: Vec<Surface>, changed: &[u32]) -> Result<Self, LightError> {
         let is_changed = |s: &Surface| changed.binary_search(&s.object).is_ok();
         let numbers = renumbered(&self.surfaces, &surfaces, &is_changed);
         let tree = self.tree.moved(&self.lattice, &surfaces, changed, &numbers);
         let mut next = Self::empty(self.lattice, surfaces, tree);
         let mut parts = Vec::new();
-        for (i, surface) in (0..).zip(&next.surfaces).filter(|(_, s)| is_changed(s)) {
-            if !next.add_all_parts((i, bin_of(surface, materials)), surface, &mut parts) {
-                return Err(LightError::TooManyReferences);
-            }
+        for surface in (0..).zip(&next.surfaces).filter(|(_, s)| is_changed(s)) {
+            next.add_all_parts(surface, &mut parts)?;
         }
         let old = self.slots();
         let mut dirty: Vec<Slot> = parts.iter().map(|p| self.lattice.slot_of(p.cell)).collect();
@@ -51,10 +43,10 @@ impl Voxels {
         dirty.dedup();
         for slot in &dirty {
             let Ok(k) = old.binary_search(slot) else { continue };
-            next.add_others(*slot, self.references_at(k), &numbers, materials, &mut parts);
+            next.add_others(*slot, self.references_at(k), &numbers, &mut parts);
         }
         next.sort(&mut parts);
-        next.merge(self, (&old, &dirty), &parts, &numbers, materials);
+        next.merge(self, (&old, &dirty), &parts, &numbers);
         if next.references.len() >= MOST_REFERENCES {
             return Err(LightError::TooManyReferences);
         }
@@ -76,33 +68,17 @@ impl Voxels {
     }
 
     /// Adds the parts in a cell of those old triangles that did not change.
-    fn add_others(
-        &self,
-        slot: Slot,
-        references: &[Reference],
-        numbers: &[u32],
-        materials: &[Material],
-        parts: &mut Vec<Part>,
-    ) {
+    fn add_others(&self, slot: Slot, references: &[Reference], numbers: &[u32], parts: &mut Vec<Part>) {
         let cell = self.lattice.of_slot(slot);
         let fine = self.lattice.fine(cell);
         for number in references.iter().map(|r| numbers[r.surface as usize]).filter(|n| *n != NONE) {
             let surface = &self.surfaces[number as usize];
-            let whole = surface.scaled(fine);
-            let kind = (number, bin_of(surface, materials));
-            parts.push(Part::new(&self.lattice, cell, &whole, kind));
+            parts.push(Part::new(&self.lattice, cell, &surface.scaled(fine), (number, surface)));
         }
     }
 
     /// Adds the cells in order: made anew of their parts, or copied.
-    fn merge(
-        &mut self,
-        from: &Self,
-        (old, dirty): (&[Slot], &[Slot]),
-        parts: &[Part],
-        numbers: &[u32],
-        materials: &[Material],
-    ) {
+    fn merge(&mut self, from: &Self, (old, dirty): (&[Slot], &[Slot]), parts: &[Part], numbers: &[u32]) {
         let lattice = self.lattice;
         let slot_of = |parts: &&[Part]| lattice.slot_of(parts[0].cell);
         let mut cells = parts.chunk_by(|a, b| a.cell == b.cell).peekable();
@@ -115,7 +91,7 @@ impl Voxels {
                 // A cell that nothing touches any more has no parts.
                 if let Some(of_cell) = cells.next_if(|parts| slot_of(parts) == next) {
                     self.occupy(next);
-                    self.add_cell(of_cell, materials);
+                    self.add_cell(of_cell);
                 }
             }
             if slot != END && !is_anew {
@@ -152,7 +128,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::input::{Grid, Window};
+    use crate::input::{Grid, Material, Window};
     use crate::lattice::Lattice;
     use crate::spread::unit;
 
@@ -169,7 +145,8 @@ mod tests {
                 if i % 4 == 0 {
                     corners.iter_mut().for_each(|c| c.x = middle.x.round());
                 }
-                Surface::new(corners, (i % 2) as u32, object)
+                let of = Material::new(Vec3::splat(0.5), Vec3::splat((i % 2) as f32));
+                Surface::new(corners, (i % 2) as u32, object, &of)
             })
         };
         (0..).zip(*turns).flat_map(of).collect()
@@ -181,16 +158,14 @@ mod tests {
         let grid = Grid { min: Vec3::ZERO, max: Vec3::splat(16.0), cells: 16 };
         for windows in [[None; 2], [Some(window), None]] {
             let lattice = Lattice::new(&grid, &windows);
-            let dark = Material::new(Vec3::splat(0.5), Vec3::ZERO);
-            let materials = [dark, Material { emission: Vec3::ONE, ..dark }];
             let mut turns = [0; 10];
-            let mut moved = Voxels::new(lattice, surfaces(&turns), &materials).unwrap();
+            let mut moved = Voxels::new(lattice, surfaces(&turns)).unwrap();
             for round in 0..12_u64 {
                 let changed: Vec<u32> =
                     (0..10).filter(|o| unit(round, *o) < 0.25).map(|o| o as u32).collect();
                 changed.iter().for_each(|o| turns[*o as usize] += 1);
-                moved = moved.moved(surfaces(&turns), &changed, &materials).unwrap();
-                let anew = Voxels::new(lattice, surfaces(&turns), &materials).unwrap();
+                moved = moved.moved(surfaces(&turns), &changed).unwrap();
+                let anew = Voxels::new(lattice, surfaces(&turns)).unwrap();
                 assert!(anew.entries.len() > 400, "{}", anew.entries.len());
                 assert_eq!(moved.entries, anew.entries, "{round}");
                 assert_eq!(moved.members, anew.members, "{round}");

@@ -1,8 +1,8 @@
 //! Scenes of boxes and sheets, and what tests ask of them.
 #![allow(dead_code)]
 
-use casca_radiosity::{Cache, Grid, Light, Material, Scene, Settings, Sky, Triangle};
-use glam::{Affine3A, Quat, Vec3};
+use casca_radiosity::{Cache, Grid, Light, Material, Object, Scene, Settings, Sky, Texture, Triangle};
+use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 
 /// A material that only scatters.
 pub fn matt(albedo: f32) -> Material {
@@ -13,6 +13,18 @@ pub fn matt(albedo: f32) -> Material {
 pub fn sheet(corner: Vec3, u: Vec3, v: Vec3, material: u32) -> Vec<Triangle> {
     let [a, b, c, d] = [corner, corner + u, corner + u + v, corner + v];
     [[a, b, c], [a, c, d]].map(|corners| Triangle { corners, material }).into()
+}
+
+/// The same sheets with a texture that covers each of them so many times along both sides.
+pub fn painted(triangles: Vec<Triangle>, times: f32) -> Object {
+    let [a, b, c, d] = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|p| p * times);
+    let uv = [[a, b, c], [a, c, d]].repeat(triangles.len() / 2);
+    Object { triangles, uv }
+}
+
+/// Four texels: white, black, a hole, white.
+pub fn holed() -> Texture {
+    Texture::new(2, 2, [Vec4::ONE, Vec4::W, Vec4::ZERO, Vec4::ONE]).unwrap()
 }
 
 /// A box with its fronts outside.
@@ -51,7 +63,7 @@ pub fn turned() -> Affine3A {
 /// One object.
 pub fn scene(triangles: Vec<Triangle>, materials: Vec<Material>, lights: Vec<Light>, sky: f32) -> Scene {
     let sky = Sky::Even(Vec3::splat(sky));
-    Scene { objects: vec![triangles.into()], materials, lights, sky }
+    Scene { objects: vec![triangles.into()], materials, textures: vec![], lights, sky }
 }
 
 /// A sky whose radiance is linear in the height of the direction.

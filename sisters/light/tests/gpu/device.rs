@@ -6,7 +6,7 @@ use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{self, TextureUsages};
 use glam::Vec3;
 
-use crate::common::{cuboid, lamp, matt, room, scene, sheet};
+use crate::common::{cuboid, holed, lamp, matt, painted, room, scene, sheet};
 
 /// Points lie in rows of so many pixels, so that groups of pixels lie along both axes. Rows of
 /// copies take multiples of 256 bytes.
@@ -106,7 +106,7 @@ pub fn in_hall() -> Vec<(Vec3, Vec3)> {
     (0..80).map(|i| (at(i), Vec3::X)).collect()
 }
 
-/// A coloured room with a box in it, under a sky that a hole in the ceiling lets in.
+/// A coloured room with a box and a screen full of holes in it, under a sky that a hole in the ceiling lets in.
 pub fn furnished() -> Scene {
     let mut all = room(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), 0);
     // The ceiling is the second half of the room's sheets; one of its triangles goes.
@@ -117,7 +117,10 @@ pub fn furnished() -> Scene {
     let mut red = matt(0.6);
     red.albedo = Vec3::new(0.7, 0.2, 0.1);
     let lights = vec![lamp(Vec3::new(3.0, 2.0, 0.6), 9.0)];
-    scene(all, vec![matt(0.7), red], lights, 1.0)
+    let paint = Material { texture: Some(0), ..matt(0.8) };
+    let mut scene = Scene { textures: vec![holed()], ..scene(all, vec![matt(0.7), red, paint], lights, 1.0) };
+    scene.objects.push(painted(sheet(Vec3::new(2.6, 0.0, 0.5), Vec3::Y * 1.5, Vec3::Z * 2.0, 2), 3.0));
+    scene
 }
 
 /// Points on walls, the floor and the box.

@@ -3,8 +3,6 @@
 mod closed;
 #[path = "../common/mod.rs"]
 mod common;
-#[cfg(feature = "lit")]
-mod file;
 mod flush;
 mod lattice;
 mod moves;
@@ -12,5 +10,6 @@ mod open;
 mod parts;
 mod smooth;
 mod sound;
+mod textures;
 mod walls;
 mod windows;

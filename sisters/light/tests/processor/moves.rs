@@ -1,7 +1,9 @@
 //! What moves: the same rays as in a cache that is made anew, and few of them sent again.
 
-use crate::common::{bits, cuboid, gathered, indirect, lamp, matt, placed, room, scene, turned};
-use casca_radiosity::{Cache, Grid, LightError, Object, Scene, Settings, Window};
+use crate::common::{
+    bits, cuboid, gathered, holed, indirect, lamp, matt, painted, placed, room, scene, turned,
+};
+use casca_radiosity::{Cache, Grid, LightError, Material, Object, Scene, Settings, Window};
 use glam::{Affine3A, Vec3 as V};
 
 /// Passes end with the first that changes less than this share of the light, far below the 5% that
@@ -165,9 +167,15 @@ fn light_stays_while_something_moves_in_each_frame() {
     assert!(cache.waiting() < 100 && moved > 1000, "{} {moved}", cache.waiting());
 }
 
-/// The house full of boxes that are turned, so that most hits are read from what stands in.
+/// The house full of boxes that are turned, so that most hits are read from what stands in, and with a
+/// chest that is full of holes.
 fn cluttered(open: f32, at: V) -> Scene {
     let mut scene = house(open, at);
+    scene.materials.push(Material { texture: Some(0), ..matt(0.8) });
+    scene.textures.push(holed());
+    let mut chest = std::mem::take(&mut scene.objects[2].triangles);
+    chest.iter_mut().for_each(|t| t.material = 1);
+    scene.objects[2] = painted(chest, 1.5);
     for i in 0..60 {
         let random = |k: i32| ((i * 7 + k) as f32 * 0.618_034).fract();
         let size = V::new(0.1 + 0.5 * random(1), 0.05 + 0.3 * random(2), 0.1 + 0.4 * random(3));

@@ -65,9 +65,7 @@ pub fn ways() -> Result<Vec<Way>, LabError> {
         let query = Query::with_method(Method::Point(options))?;
         all.push(Way { name: name.to_owned(), engine: Engine::EachFrame(Box::new(query)) });
     }
-    for (reach, turn, aside) in
-        [(0.05, 5.0, false), (0.1, 6.0, false), (0.2, 10.0, false), (0.02, 3.0, true), (0.05, 5.0, true)]
-    {
+    for (reach, turn, aside) in [(0.25, 8.6, false), (0.06, 5.0, true), (0.25, 8.6, true)] {
         let options = KeptOptions::new().reach(reach).turn(f32::to_radians(turn));
         let query = Box::new(KeptQuery::with_options(options)?);
         let name = format!("kept, {reach} m, {turn:.0} degrees");

@@ -67,7 +67,8 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     let options = PointOptions::fast().coherent(true).pixel_degrees(0.5);
     let queries = [options, PointOptions::balanced().coherent(true)];
     let mut queries = queries.map(|o| Query::with_method(Method::Point(o)).unwrap_or_default());
-    let kept = KeptOptions::new().reach(reach).turn(angle);
+    // A camera that goes by more than half of these gets a result for one view.
+    let kept = KeptOptions::new().reach(4.0 * reach).turn(4.0 * angle);
     let mut kept = [(); 2].map(|()| KeptQuery::with_options(kept).unwrap_or_default());
     let mut job = None;
     for frame in 0..FRAMES {

@@ -65,7 +65,7 @@ impl Player {
         &mut self,
         query: usize,
         method: Method,
-        view: View,
+        (view, before): (View, Option<View>),
         truth: TrueView,
         keep: bool,
         seed: u32,
@@ -109,6 +109,9 @@ impl Player {
                 }
                 if seed & 6 == 0 {
                     self.ready = Some((number, lasting.prepare(&world.scene, &view).run()));
+                }
+                if let Some(before) = before {
+                    lasting.run(&world.scene, &before);
                 }
                 lasting.run(&world.scene, &view)
             })

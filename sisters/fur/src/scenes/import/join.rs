@@ -5,13 +5,13 @@ use std::path::Path;
 
 use crate::mesh::Coat;
 use crate::skin::PER_VERTEX;
-use glam::{Affine3A, Mat2, Vec2, Vec3};
+use casca_images::{Images, attribute};
+use glam::{Affine3A, Vec3};
 use gltf::Semantic;
-use gltf::accessor::{DataType, Dimensions};
+use gltf::accessor::Dimensions;
 
-use super::images::Images;
 use casca_scenes::import::Trouble;
-use casca_scenes::import::parts::{Buffers, Components, Meshes, materials_of, unfit};
+use casca_scenes::import::parts::{Buffers, Components, Meshes, materials_of};
 use casca_scenes::world::Mesh;
 
 /// The colour of fur whose file says nothing about colours: brown, linear.
@@ -124,7 +124,9 @@ impl<'a> Join<'a> {
         };
         let lengths = match primitive.get(&Semantic::Extras(LENGTH.to_owned())) {
             None => None,
-            Some(accessor) => Some(self.attribute::<1>(&accessor, "lengths of fur", count)?.into_flattened()),
+            Some(accessor) => {
+                Some(attribute::<1>(self.buffers, &accessor, "lengths of fur", count)?.into_flattened())
+            }
         };
         finite(colors.as_deref().unwrap_or(&[]).as_flattened(), "colour")?;
         finite(lengths.as_deref().unwrap_or(&[]), "length")?;
@@ -142,21 +144,9 @@ impl<'a> Join<'a> {
         };
         let mut coats: Vec<Coat> = (0..count).map(coat).collect();
         if let Some(info) = material.pbr_metallic_roughness().base_color_texture() {
-            let moved = info.texture_transform();
-            let set = moved.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
-            let uvs = match primitive.get(&Semantic::TexCoords(set)) {
-                Some(accessor) => self.attribute::<2>(&accessor, "texture coordinates", count)?,
-                // A part without coordinates has the colour of its corner in all viewers.
-                None => vec![[0.0; 2]; count],
-            };
+            let places = self.images.places(&primitive, &info, count)?;
             let image = self.images.of(&info.texture())?;
-            let turn = moved.as_ref().map_or(Mat2::IDENTITY, |t| {
-                Mat2::from_angle(-t.rotation()) * Mat2::from_diagonal(Vec2::from_array(t.scale()))
-            });
-            let offset = moved.map_or(Vec2::ZERO, |t| Vec2::from_array(t.offset()));
-            for (coat, uv) in coats.iter_mut().zip(uvs) {
-                let uv = turn * Vec2::from_array(uv) + offset;
-                finite(&uv.to_array(), "texture coordinate")?;
+            for (coat, uv) in coats.iter_mut().zip(places) {
                 coat.color *= image.color(uv);
             }
         }
@@ -167,25 +157,12 @@ impl<'a> Join<'a> {
         match accessor.dimensions() {
             Dimensions::Vec3 => {
                 let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
-                Ok(self.attribute::<3>(accessor, "colours", count)?.into_iter().map(opaque).collect())
+                Ok(attribute::<3>(self.buffers, accessor, "colours", count)?
+                    .into_iter()
+                    .map(opaque)
+                    .collect())
             }
-            _ => self.attribute::<4>(accessor, "colours", count),
+            _ => attribute::<4>(self.buffers, accessor, "colours", count),
         }
-    }
-
-    /// Floats, or normalised integers without sign; one for each vertex.
-    fn attribute<const N: usize>(
-        &self,
-        accessor: &gltf::Accessor,
-        what: &'static str,
-        count: usize,
-    ) -> Result<Vec<[f32; N]>, Trouble> {
-        if !matches!(accessor.data_type(), DataType::F32 | DataType::U8 | DataType::U16) {
-            return Err(unfit(accessor, what, "of a type that is not read"));
-        }
-        if accessor.count() != count {
-            return Err(unfit(accessor, what, "not as long as the positions"));
-        }
-        self.buffers.floats(accessor, what, Components::Normalized)
     }
 }

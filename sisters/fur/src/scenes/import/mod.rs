@@ -15,7 +15,6 @@ use join::Join;
 pub(super) use skins::refused;
 use skins::{clips_of, follower, followers_of, skeleton_of};
 
-mod images;
 mod join;
 mod skins;
 

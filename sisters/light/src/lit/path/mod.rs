@@ -14,15 +14,15 @@ mod scatter;
 #[cfg(test)]
 mod tests;
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use rand::RngExt;
 use rayon::prelude::*;
 
-use super::{HdrImage, ImageError, LitScene, LitTriangle, Material};
-use crate::Light;
+use super::{LitScene, LitTriangle, Material};
+use crate::{Light, Texture};
 use casca_scenes::random::{Generator, generator, spread};
 use casca_scenes::world::{Camera, Sides};
 use casca_truth::oracle::Frustum;
@@ -42,6 +42,25 @@ const MOST_SAMPLES: u32 = 1 << 20;
 /// How often light is scattered at most.
 const MOST_ORDERS: u32 = 256;
 
+/// Pixels that a picture has at most.
+const MOST_PIXELS: usize = 1 << 24;
+
+/// A picture that has no pixels, or too many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a picture of {width}x{height} pixels: there must be 1 to {MOST_PIXELS}")]
+pub struct SizeError {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+/// The pixels of a picture.
+fn pixels((width, height): (usize, usize)) -> Result<Range<usize>, SizeError> {
+    let count = width.checked_mul(height).filter(|n| (1..=MOST_PIXELS).contains(n));
+    Ok(0..count.ok_or(SizeError { width, height })?)
+}
+
 /// A quantity that is asked for at the surface that a pixel shows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
@@ -54,13 +73,13 @@ pub enum Quantity {
     Shadow(usize),
 }
 
-/// A picture by chance, and how sure it is.
+/// A picture of linear light by chance, and how sure it is: row by row from the top.
 #[derive(Debug, Clone)]
 pub struct Render {
     /// The mean of the samples.
-    pub image: HdrImage,
-    /// By pixel and channel: the standard error of that mean, estimated from the samples.
-    pub error: HdrImage,
+    pub image: Vec<Vec3>,
+    /// By channel: the standard error of that mean, estimated from the samples.
+    pub error: Vec<Vec3>,
 }
 
 /// A point of a surface that a ray hits.
@@ -72,6 +91,8 @@ pub struct Surface {
     pub normal: DVec3,
     /// Index into [`LitScene::materials`].
     pub material: usize,
+    /// The colour of its texture there.
+    pub colour: Vec3,
 }
 
 /// Traces paths in one scene.
@@ -80,6 +101,7 @@ pub struct PathTracer {
     tree: Tree,
     triangles: Vec<LitTriangle>,
     materials: Vec<Material>,
+    textures: Vec<Texture>,
     lights: Vec<Light>,
     emitters: Emitters,
     sky: DVec3,
@@ -104,35 +126,54 @@ impl PathTracer {
             emitters: Emitters::new(&triangles, &materials),
             triangles,
             materials,
+            textures: scene.textures.clone(),
             lights: scene.lights.clone(),
             sky,
         }
     }
 
     /// The first surface along a ray.
-    pub fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Surface> {
-        let mut best = None;
-        self.tree.first(origin, direction, &mut best);
-        let (number, t) = best?;
-        let triangle = &self.triangles[number as usize];
+    pub fn hit(&self, mut origin: DVec3, direction: DVec3) -> Option<Surface> {
+        loop {
+            let mut best = None;
+            self.tree.first(origin, direction, &mut best);
+            let (number, t) = best?;
+            let (triangle, point) = (&self.triangles[number as usize], origin + direction * t);
+            let [a, b, c] = triangle.corners.map(|p| p.as_dvec3());
+            let normal = (b - a).cross(c - a).try_normalize()?;
+            let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+            let material = triangle.material as usize;
+            if let Some(colour) = self.colour(triangle, point) {
+                return Some(Surface { point, normal, material, colour });
+            }
+            // On behind the hole.
+            origin = self.off(point, -normal);
+        }
+    }
+
+    /// The colour of the texture of a triangle at a point of it; `None` in a hole.
+    fn colour(&self, triangle: &LitTriangle, point: DVec3) -> Option<Vec3> {
+        let texture = self.materials[triangle.material as usize].texture;
+        let Some(texture) = texture.and_then(|t| self.textures.get(t as usize)) else {
+            return Some(Vec3::ONE);
+        };
         let [a, b, c] = triangle.corners.map(|p| p.as_dvec3());
-        let normal = (b - a).cross(c - a).try_normalize()?;
-        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        Some(Surface { point: origin + direction * t, normal, material: triangle.material as usize })
+        let [u, v, w] = triangle.uv.map(|p| p.as_dvec2());
+        // By the least of squares, which any point has.
+        let (x, y, p) = (b - a, c - a, point - a);
+        let (xx, xy, yy) = (x.dot(x), x.dot(y), y.dot(y));
+        let [s, t] =
+            [yy * p.dot(x) - xy * p.dot(y), xx * p.dot(y) - xy * p.dot(x)].map(|k| k / (xx * yy - xy * xy));
+        texture.at(u + (v - u) * s + (w - u) * t)
     }
 
     /// The surfaces that the centres of pixels show, row by row from the top.
     ///
     /// # Errors
-    /// [`ImageError::Size`].
-    pub fn surfaces(
-        &self,
-        camera: &Camera,
-        (width, height): (usize, usize),
-    ) -> Result<Vec<Option<Surface>>, ImageError> {
-        HdrImage::new(width, height, Vec::new())?;
-        let pixels = (0..width * height).into_par_iter();
-        Ok(pixels.map(|i| self.seen(&Frustum::new(camera), i, (width, height)).0).collect())
+    /// [`SizeError`].
+    pub fn surfaces(&self, camera: &Camera, size: (usize, usize)) -> Result<Vec<Option<Surface>>, SizeError> {
+        let pixels = pixels(size)?.into_par_iter();
+        Ok(pixels.map(|i| self.seen(&Frustum::new(camera), i, size).0).collect())
     }
 
     /// What a pixel shows, and from which direction.
@@ -147,7 +188,7 @@ impl PathTracer {
     /// noise. Costs pixels times samples times the orders of scattering.
     ///
     /// # Errors
-    /// [`ImageError::Size`].
+    /// [`SizeError`].
     pub fn render(
         &self,
         camera: &Camera,
@@ -155,21 +196,16 @@ impl PathTracer {
         quantity: &Quantity,
         samples: u32,
         seed: u64,
-    ) -> Result<Render, ImageError> {
-        let (width, height) = size;
-        let black = HdrImage::new(width, height, Vec::new())?;
+    ) -> Result<Render, SizeError> {
         let frustum = Frustum::new(camera);
-        let pixels = (0..black.pixels().len()).into_par_iter().map(|i| {
+        let pixels = pixels(size)?.into_par_iter().map(|i| {
             let (surface, step) = self.seen(&frustum, i, size);
             // A generator of its own, so that threads do not matter.
             let mut random = generator(seed, spread(i as u64 + 1));
             mean(samples, || self.sample(surface, step, quantity, &mut random))
         });
-        let (means, errors): (Vec<_>, Vec<_>) = pixels.collect::<Vec<_>>().into_iter().unzip();
-        Ok(Render {
-            image: HdrImage::new(width, height, means)?,
-            error: HdrImage::new(width, height, errors)?,
-        })
+        let (image, error) = pixels.unzip();
+        Ok(Render { image, error })
     }
 
     fn sample(
@@ -193,8 +229,11 @@ impl PathTracer {
 
     /// Whether anything lies on the way from a surface to a light.
     fn hides(&self, at: &Surface, way: DVec3) -> bool {
-        let (start, end) = (self.off(at), 1.0 - BEFORE_LIGHT);
-        let blocks = |part: &Part| part.enter(start, way, true).is_some_and(|t| t < end);
+        let (start, end) = (self.off(at.point, at.normal), 1.0 - BEFORE_LIGHT);
+        let is_solid = |part: &Part, t: f64| {
+            self.colour(&self.triangles[part.object as usize], start + way * t).is_some()
+        };
+        let blocks = |part: &Part| part.enter(start, way, true).is_some_and(|t| t < end && is_solid(part, t));
         self.tree.any(start, way, end, blocks).is_some()
     }
 
@@ -204,8 +243,8 @@ impl PathTracer {
     }
 
     /// A point just above a surface.
-    fn off(&self, at: &Surface) -> DVec3 {
-        at.point + at.normal * (OFF * (self.tree.scale + LEAST_SCALE))
+    fn off(&self, point: DVec3, normal: DVec3) -> DVec3 {
+        point + normal * (OFF * (self.tree.scale + LEAST_SCALE))
     }
 
     /// The light of some orders that arrives against a unit direction from a surface, or from the
@@ -236,7 +275,7 @@ impl PathTracer {
             if order == last {
                 break;
             }
-            let scatter = Scatter::new(material, at.normal, direction);
+            let scatter = Scatter::new(material, &at, direction);
             if orders.contains(&(order + 1)) {
                 light += weight * self.next_event(&at, &scatter, random);
             }
@@ -244,14 +283,14 @@ impl PathTracer {
             density = Some((scatter.density(way), at.point));
             weight *= factor;
             direction = way;
-            next = self.hit(self.off(&at), way);
+            next = self.hit(self.off(at.point, at.normal), way);
         }
         light
     }
 }
 
 /// Mean and standard error of samples.
-fn mean(samples: u32, mut sample: impl FnMut() -> DVec3) -> (glam::Vec3, glam::Vec3) {
+fn mean(samples: u32, mut sample: impl FnMut() -> DVec3) -> (Vec3, Vec3) {
     let samples = samples.clamp(1, MOST_SAMPLES);
     let n = f64::from(samples);
     let (mut mean, mut squares) = (DVec3::ZERO, DVec3::ZERO);
@@ -340,7 +379,8 @@ impl PathTracer {
         // Evenly on the triangle (Turk 1990).
         let (root, v) = (random.random::<f64>().sqrt(), random.random::<f64>());
         let target = p * (1.0 - root) + q * (root * (1.0 - v)) + r * (root * v);
-        let way = target - self.off(at);
+        self.colour(triangle, target)?;
+        let way = target - self.off(at.point, at.normal);
         let square = way.length_squared();
         let direction = way.try_normalize()?;
         let material = &self.materials[triangle.material as usize];

@@ -1,6 +1,7 @@
 //! Scenes of glTF files, with their materials and lights.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,15 +9,21 @@ use glam::{Affine3A, DVec3, Quat, Vec3};
 use gltf::khr_lights_punctual::Kind;
 use gltf::material::AlphaMode;
 
-use casca_scenes::import::parts::{File, Warnings, contents, materials_of, nodes_of, parse};
+use casca_images::linear_of;
+use casca_scenes::import::parts::{File, Warnings, contents, nodes_of, parse};
 use casca_scenes::import::{ImportError, Trouble, open};
 use casca_scenes::world::{Mesh, Object, Shape, Sides, World};
 
-use super::{ASPECT, LitObject, LitScene, Material};
-use crate::Light;
+use casca_radiosity::Light;
+use casca_radiosity::lit::{ASPECT, LitObject, LitScene, Material};
+
+use crate::paint::{Paint, Painted};
 
 /// Share of light that surfaces other than metals reflect head-on.
 const DIELECTRIC: f32 = 0.04;
+/// What is less opaque than this is a hole, if the file does not say. Light passes half of a pane or
+/// none of it.
+const HALF: f32 = 0.5;
 
 /// Loads a scene with its materials and lights from a `.glb` or `.gltf` file; see [`read_lit`].
 ///
@@ -29,9 +36,12 @@ pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
 /// Reads a scene with its materials and lights from the bytes of a glTF file, as
 /// [`casca_scenes::import::read`] does. What moves stands where it is at frame 0.
 ///
-/// - The colour of a material is its base colour without textures. Its diffuse part is what metals
-///   leave of it; its specular part is 0.04, and its colour for metals; its gloss is one minus its
-///   roughness.
+/// - The colour of a material is its base colour times its texture. Its diffuse part is what metals
+///   leave of it; its specular part is 0.04, and its mean colour for metals; its gloss is one minus its
+///   roughness. Metal and roughness are the means of their texture, and emission is the mean of its
+///   texture over each triangle. Colours of vertices are not read.
+/// - Light passes where `alphaMode` MASK says that nothing is, and where BLEND is less than half opaque;
+///   all else is solid. Images are PNG or JPEG.
 /// - Lights are those of `KHR_lights_punctual`, where the file says; their units are taken as
 ///   radiometric. A file without lights and without emission gets a sun and a sky; beside suns of its
 ///   own it gets that sky, as many times as bright as they are.
@@ -44,18 +54,27 @@ pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitSc
     let world = contents(name, &file, &warnings)?;
     let mut scene = bare(&world);
     scene.materials = vec![Material { sides: Sides::Front, ..Material::matt(Vec3::ONE) }];
-    scene.materials.extend(file.document.materials().map(|m| material_of(&m)));
+    let mut paint = Paint::new(&file, folder);
+    for material in file.document.materials() {
+        scene.materials.push(material_of(&material, &mut paint)?);
+    }
     let nodes: Vec<gltf::Node> = file.document.nodes().collect();
     // Objects share them as they share meshes.
-    let mut known: HashMap<(usize, *const u32), Arc<[u32]>> = HashMap::new();
+    let mut known: HashMap<(usize, *const u32), Painted> = HashMap::new();
     for (object, part) in scene.objects.iter_mut().zip(&world.source.parts) {
         // A box around what is deformed is no surface.
         let Some(mesh) = nodes[part.node].mesh() else { continue };
-        let shared = known.entry((mesh.index(), part.primitives.as_ptr()));
-        object.materials = shared.or_insert_with(|| materials_of(&mesh, &part.primitives).into()).clone();
+        let (materials, uv) = match known.entry((mesh.index(), part.primitives.as_ptr())) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                entry.insert(paint.mesh(&mesh, &part.primitives, &mut scene.materials)?)
+            }
+        };
+        (object.materials, object.uv) = (materials.clone(), uv.clone());
     }
+    scene.textures = paint.textures;
     let lights = lights_of(&file, world.source.origin)?;
-    let mut used = known.values().flat_map(|materials| materials.iter());
+    let mut used = known.values().flat_map(|painted| painted.0.iter());
     if !lights.is_empty() || used.any(|&m| scene.materials[m as usize].emits()) {
         let of =
             |l: &Light| if let Light::Sun { irradiance, .. } = l { irradiance.max_element() } else { 0.0 };
@@ -66,15 +85,19 @@ pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitSc
     Ok(scene)
 }
 
-fn material_of(material: &gltf::Material) -> Material {
+fn material_of(material: &gltf::Material, paint: &mut Paint) -> Result<Material, Trouble> {
     let pbr = material.pbr_metallic_roughness();
-    let [r, g, b, _] = pbr.base_color_factor();
+    let [r, g, b, opacity] = pbr.base_color_factor();
     let share = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
     let color = Vec3::new(share(r), share(g), share(b));
-    let metal = share(pbr.metallic_factor());
-    let specular = Vec3::splat(DIELECTRIC * (1.0 - metal)) + color * metal;
+    // Roughness is green, and metal is blue.
+    let [_, rough, metal] =
+        paint.mean(pbr.metallic_roughness_texture(), |byte| f32::from(byte) / 255.0)?.to_array();
+    let metal = share(pbr.metallic_factor() * metal);
+    let mean = paint.mean(pbr.base_color_texture(), linear_of)?;
+    let specular = Vec3::splat(DIELECTRIC * (1.0 - metal)) + color * mean * metal;
     // A matt surface has no highlight that voxels could show.
-    let gloss = 1.0 - share(pbr.roughness_factor());
+    let gloss = 1.0 - share(pbr.roughness_factor() * rough);
     let specular = if gloss > 0.0 { specular } else { Vec3::ZERO };
     let strength = material.emissive_strength().unwrap_or(1.0);
     let emission = Vec3::from_array(material.emissive_factor()) * strength;
@@ -85,8 +108,14 @@ fn material_of(material: &gltf::Material) -> Material {
         let value = material.extension_value(name).and_then(|v| v[factor].as_f64());
         value.is_some_and(|factor| factor != 0.0)
     };
-    let sides = match material.alpha_mode() {
-        AlphaMode::Mask | AlphaMode::Blend => Sides::Neither,
+    let least = match material.alpha_mode() {
+        AlphaMode::Opaque => 0.0,
+        AlphaMode::Mask => material.alpha_cutoff().unwrap_or(HALF),
+        AlphaMode::Blend => HALF,
+    };
+    let texture = pbr.base_color_texture().map(|info| paint.texture(info, least, opacity)).transpose()?;
+    let sides = match texture {
+        None if opacity < least => Sides::Neither,
         _ if passes("KHR_materials_transmission", "transmissionFactor")
             || passes("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor") =>
         {
@@ -95,7 +124,7 @@ fn material_of(material: &gltf::Material) -> Material {
         _ if material.double_sided() => Sides::Both,
         _ => Sides::Front,
     };
-    Material { albedo, specular, gloss, emission, sides }
+    Ok(Material { albedo, specular, gloss, emission, sides, texture })
 }
 
 /// The lights of the nodes that are shown, at rest.
@@ -133,12 +162,13 @@ fn bare(world: &World) -> LitScene {
             Shape::Box { min, max } => (Arc::new(Mesh::cuboid(*min, *max)), Affine3A::IDENTITY),
             Shape::Mesh { mesh, transform } => (mesh.clone(), *transform),
         };
-        LitObject { materials: Arc::default(), mesh, transform }
+        LitObject { materials: Arc::default(), uv: Arc::default(), mesh, transform }
     };
     LitScene {
         name: world.name.clone(),
         objects: world.objects.iter().map(object).collect(),
         materials: Vec::new(),
+        textures: Vec::new(),
         lights: vec![Light::Sun {
             direction: Vec3::new(0.35, -1.0, 0.25),
             irradiance: Vec3::new(3.0, 2.8, 2.5),

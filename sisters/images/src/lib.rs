@@ -1,16 +1,18 @@
-//! Images of colours, from buffers and from files beside.
+//! Textures of glTF files: their images, from buffers and from files beside, and where vertices lie
+//! in them.
 
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
-
-use crate::mesh::linear_of;
-use glam::{UVec2, Vec2, Vec3};
-use gltf::texture::WrappingMode;
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::sync::LazyLock;
 
 use casca_scenes::import::Trouble;
-use casca_scenes::import::parts::{Buffers, Known, beside, decoded};
+use casca_scenes::import::parts::{Buffers, Components, Known, beside, decoded, unfit};
+use glam::{Mat2, UVec2, Vec2, Vec3};
+use gltf::accessor::DataType;
+use gltf::texture::{Info, WrappingMode};
+use gltf::{Accessor, Primitive, Semantic};
+use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
 /// Texels that all images of a file may have: a quarter of a gigabyte. A short file can hold an
 /// image of any size.
@@ -20,18 +22,32 @@ const MOST_SIDE: u32 = 16_384;
 /// Bytes of an image in a file of its own.
 const MOST_BYTES: usize = 1 << 28;
 
+/// The linear light of a byte of sRGB (IEC 61966-2-1), 0 to 1.
+pub fn linear_of(byte: u8) -> f32 {
+    static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+        std::array::from_fn(|byte| {
+            let stored = byte as f64 / 255.0;
+            let light = if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) };
+            light as f32
+        })
+    });
+    LINEAR[usize::from(byte)]
+}
+
 /// An image, and how it goes on along u and v.
-pub(super) struct Picture {
-    size: UVec2,
-    /// Red, green and blue in sRGB and opacity, which fur ignores, row by row from the top.
-    texels: Vec<u8>,
-    wrap: [WrappingMode; 2],
+pub struct Picture {
+    /// Its texels along both sides.
+    pub size: UVec2,
+    /// By texel, row by row from the top: red, green and blue in sRGB, and opacity.
+    pub texels: Vec<u8>,
+    /// How it goes on.
+    pub wrap: [WrappingMode; 2],
 }
 
 impl Picture {
     /// The linear colour at finite texture coordinates: the mean of four texels by their nearness,
     /// mixed in linear light. (0, 0) is the corner of the image that is stored first.
-    pub(super) fn color(&self, uv: Vec2) -> Vec3 {
+    pub fn color(&self, uv: Vec2) -> Vec3 {
         let at = uv.as_dvec2() * self.size.as_dvec2() - 0.5;
         let first = at.floor();
         let part = (at - first).as_vec2();
@@ -61,7 +77,7 @@ fn texel_of(wrap: WrappingMode, number: f64, side: u32) -> usize {
 }
 
 /// Reads the images of textures; those that several materials share are read once.
-pub(super) struct Images<'a> {
+pub struct Images<'a> {
     buffers: &'a Buffers,
     folder: Option<&'a Path>,
     known: HashMap<usize, Picture>,
@@ -69,17 +85,44 @@ pub(super) struct Images<'a> {
 }
 
 impl<'a> Images<'a> {
-    pub(super) fn new(buffers: &'a Buffers, folder: Option<&'a Path>) -> Self {
+    /// None so far, of a file with these buffers in this folder.
+    pub fn new(buffers: &'a Buffers, folder: Option<&'a Path>) -> Self {
         Self { buffers, folder, known: HashMap::new(), texels: MOST_TEXELS }
     }
 
     /// The image of a texture.
-    pub(super) fn of(&mut self, texture: &gltf::Texture) -> Result<&Picture, Trouble> {
+    ///
+    /// # Errors
+    /// It is damaged, neither PNG nor JPEG, missing or too large.
+    pub fn of(&mut self, texture: &gltf::Texture) -> Result<&Picture, Trouble> {
         if !self.known.contains_key(&texture.index()) {
             let picture = self.read(texture)?;
             self.known.insert(texture.index(), picture);
         }
         Ok(&self.known[&texture.index()])
+    }
+
+    /// Where the vertices of a primitive, so many, lie in a texture. Without coordinates all lie in
+    /// its corner, as viewers draw it.
+    ///
+    /// # Errors
+    /// Coordinates that are not finite, or are not there for each vertex.
+    pub fn places(&self, primitive: &Primitive, info: &Info, count: usize) -> Result<Vec<Vec2>, Trouble> {
+        let moved = info.texture_transform();
+        let set = moved.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
+        let turn = moved.as_ref().map_or(Mat2::IDENTITY, |t| {
+            Mat2::from_angle(-t.rotation()) * Mat2::from_diagonal(Vec2::from_array(t.scale()))
+        });
+        let offset = moved.map_or(Vec2::ZERO, |t| Vec2::from_array(t.offset()));
+        let stored = match primitive.get(&Semantic::TexCoords(set)) {
+            Some(accessor) => attribute(self.buffers, &accessor, "texture coordinates", count)?,
+            None => vec![[0.0; 2]; count],
+        };
+        let places: Vec<Vec2> = stored.into_iter().map(|uv| turn * Vec2::from_array(uv) + offset).collect();
+        match places.iter().all(|p| p.is_finite()) {
+            true => Ok(places),
+            false => Err(Trouble::NotFinite("a texture coordinate".to_owned())),
+        }
     }
 
     fn read(&mut self, texture: &gltf::Texture) -> Result<Picture, Trouble> {
@@ -101,6 +144,25 @@ impl<'a> Images<'a> {
         self.texels -= u64::from(size.x) * u64::from(size.y);
         Ok(Picture { size, texels, wrap: [texture.sampler().wrap_s(), texture.sampler().wrap_t()] })
     }
+}
+
+/// Floats, or normalised integers without sign; one for each vertex of a primitive.
+///
+/// # Errors
+/// There are none of these types, or not as many.
+pub fn attribute<const N: usize>(
+    buffers: &Buffers,
+    accessor: &Accessor,
+    what: &'static str,
+    count: usize,
+) -> Result<Vec<[f32; N]>, Trouble> {
+    if !matches!(accessor.data_type(), DataType::F32 | DataType::U8 | DataType::U16) {
+        return Err(unfit(accessor, what, "of a type that is not read"));
+    }
+    if accessor.count() != count {
+        return Err(unfit(accessor, what, "not as long as the positions"));
+    }
+    buffers.floats(accessor, what, Components::Normalized)
 }
 
 /// The size of an image, and four bytes a texel.
