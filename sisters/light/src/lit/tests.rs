@@ -48,3 +48,15 @@ fn broken_triangles_are_left_out() {
         assert_eq!(with_it.bounds(), known, "{far}");
     }
 }
+
+#[test]
+fn spots_end_at_their_edges() {
+    let spot = |degrees: f32| {
+        let (position, direction, intensity) = (Vec3::ZERO, Vec3::NEG_Y * 3.0, Vec3::ONE);
+        let light = Light::Spot { position, direction, intensity, inner: 0.3, outer: 0.6, radius: 0.5 };
+        let to = Vec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0);
+        light.incident(to).map(|light| light.irradiance.x)
+    };
+    assert_eq!((spot(0.0), spot(40.0)), (Some(1.0), None));
+    assert!(spot(25.0).unwrap() < 1.0);
+}
