@@ -1,6 +1,6 @@
 //! Settings tried on the views of a level.
 
-use casca::{Error, KeptOptions, KeptQuery, Method, PointOptions, Query};
+use casca::{Error, KeptQuery, Method, PointOptions, Query};
 use casca_scenes::drive::{Driver, fitted_cell, view_of};
 use casca_scenes::measure::timed;
 use casca_scenes::world::World;
@@ -89,15 +89,8 @@ impl Trials {
         ] {
             settings.push(run(&driver, cell, way)?);
         }
-        let options = KeptOptions::new().reach(0.05).turn(5f32.to_radians());
-        let kept = || Ok(Engine::Kept(KeptQuery::with_options(options)?));
-        settings.push(tried(
-            world,
-            &driver,
-            views,
-            ("KeptQuery, 5 cm and 5 degrees".to_owned(), cell),
-            kept,
-        )?);
+        let kept = || Ok(Engine::Kept(KeptQuery::new()));
+        settings.push(tried(world, &driver, views, ("KeptQuery".to_owned(), cell), kept)?);
         for other in [cell * 2.0, cell / 2.0] {
             let driver = Driver::new(world, other, |_| ())?;
             settings.push(run(&driver, other, point("balanced()", PointOptions::balanced()))?);
