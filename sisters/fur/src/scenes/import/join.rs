@@ -144,7 +144,7 @@ impl<'a> Join<'a> {
         };
         let mut coats: Vec<Coat> = (0..count).map(coat).collect();
         if let Some(info) = material.pbr_metallic_roughness().base_color_texture() {
-            let places = self.images.places(&primitive, &info, count)?;
+            let places = self.images.places(primitive, &info, count)?;
             let image = self.images.of(&info.texture())?;
             for (coat, uv) in coats.iter_mut().zip(places) {
                 coat.color *= image.color(uv);
