@@ -15,6 +15,7 @@ use bevy::camera::visibility::{
 use bevy::camera::{RenderTarget, primitives::Aabb};
 use bevy::diagnostic::FrameCount;
 use bevy::math::Vec3A;
+use bevy::light::{DirectionalLightShadowMap, PointLightShadowMap};
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::PipelineCache;
@@ -68,6 +69,9 @@ fn watch(app: &mut App) {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
         .init_resource::<Course>()
         .insert_resource(WinitSettings::continuous())
+        // Most of the time of a frame goes into shadow maps here.
+        .insert_resource(DirectionalLightShadowMap { size: 512 })
+        .insert_resource(PointLightShadowMap { size: 256 })
         .add_systems(PostUpdate, place.before(TransformSystems::Propagate))
         .add_systems(Last, step);
     if let Some(render) = app.get_sub_app_mut(RenderApp) {
