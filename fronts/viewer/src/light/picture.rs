@@ -329,8 +329,8 @@ impl Picture {
     }
 
     fn draw_surfaces(&self, gpu: &Gpu, encoder: &mut CommandEncoder) {
-        let own = among(&[(0, &self.eye), (1, &self.materials), (9, &self.texels)]);
-        let group = bind(gpu, &self.surfaces.get_bind_group_layout(0), &[0, 1, 9], &own);
+        let own = [(0, &self.eye), (1, &self.materials), (9, &self.texels)];
+        let group = bind(gpu, &self.surfaces.get_bind_group_layout(0), &[0, 1, 9], &among(&own));
         let cleared = |view| over(view, Some(wgpu::Color::TRANSPARENT));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &self.frame.surfaces.each_ref().map(cleared),
