@@ -52,8 +52,8 @@ impl Tried {
 
 /// What answers.
 enum Engine {
-    Fresh(Query),
-    Kept(KeptQuery),
+    Fresh(Box<Query>),
+    Kept(Box<KeptQuery>),
 }
 
 /// What is tried: frustum culling alone, then settings.
@@ -77,7 +77,7 @@ impl Trials {
         let point =
             |name: &str, options: PointOptions| (format!("PointOptions::{name}"), Method::Point(options));
         let run = |driver: &Driver, cell: f32, (setting, method): (String, Method)| {
-            let query = || Ok(Engine::Fresh(Query::with_method(method)?));
+            let query = || Ok(Engine::Fresh(Box::new(Query::with_method(method)?)));
             tried(world, driver, views, (setting, cell), query)
         };
         let frustum = run(&driver, cell, ("frustum culling alone".to_owned(), Method::Frustum))?;
@@ -89,7 +89,7 @@ impl Trials {
         ] {
             settings.push(run(&driver, cell, way)?);
         }
-        let kept = || Ok(Engine::Kept(KeptQuery::new()));
+        let kept = || Ok(Engine::Kept(Box::default()));
         settings.push(tried(world, &driver, views, ("KeptQuery".to_owned(), cell), kept)?);
         for other in [cell * 2.0, cell / 2.0] {
             let driver = Driver::new(world, other, |_| ())?;
