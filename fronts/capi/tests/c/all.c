@@ -254,12 +254,13 @@ static void queries(void) {
     CHECK(answer);
     OK(casca_job_free(unused));
     for (int i = 0; i < 5; ++i) {
-        view.eye[0] += 0.05f;
         OK(casca_query_run(kept, scene, &view, &count));
         CHECK(count >= 1);
+        OK(casca_query_get_stats(kept, &stats));
+        // The result of the job serves its own view, one for the way of the eye all others.
+        CHECK(stats.refreshes == (i > 0));
+        view.eye[0] += 0.05f;
     }
-    OK(casca_query_get_stats(kept, &stats));
-    CHECK(stats.refreshes == 0);
     OK(casca_query_reset(kept));
     OK(casca_query_reset(query));
     OK(casca_query_free(kept));
