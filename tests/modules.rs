@@ -12,19 +12,16 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 21] = [
+const ROOTS: [&str; 18] = [
     "src",
     "crates/scenes/src",
     "crates/truth/src",
     "crates/lab/src",
-    "crates/lab/src/bin/casca-lab",
     "sisters/plane/src",
     "sisters/points/src",
     "sisters/lines/src",
     "sisters/fur/src",
-    "sisters/images/src",
     "sisters/light/src",
-    "sisters/lit/src",
     "fronts/stage/src",
     "fronts/viewer/src",
     "fronts/bevy_casca/src",

@@ -310,9 +310,7 @@ fn walls_that_come_and_go_are_followed() {
     scene.solid(far);
     let aside = scene.fixed(Sphere::new(Vec3::new(7.0, 16.0, 22.0), 0.5));
     let mut query = kept(0.2, 0.0);
-    for step in [0.0, 0.02] {
-        query.run(&scene, &beside(step));
-    }
+    [0.0, 0.02].iter().for_each(|step| _ = query.run(&scene, &beside(*step)));
     let mut check = |scene: &Scene, sees: bool, step: f32| {
         let pvs = query.run(scene, &beside(step));
         assert!(pvs.contains(before) && pvs.contains(behind) == sees, "{sees} {step}");
@@ -422,9 +420,7 @@ fn jobs_see_the_static_objects_of_the_scene_as_it_is() {
 fn a_result_found_on_another_thread_serves_if_it_still_fits() {
     let (mut scene, [wall, behind, _]) = wall();
     let mut query = kept(0.5, 0.0);
-    for step in [0.0, 0.1] {
-        query.run(&scene, &beside(step));
-    }
+    [0.0, 0.1].iter().for_each(|step| _ = query.run(&scene, &beside(*step)));
     let job = query.prepare(&scene, &beside(2.0));
     let done = thread::spawn(move || job.run()).join().unwrap();
     query.run(&scene, &beside(0.2));

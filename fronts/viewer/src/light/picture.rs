@@ -17,6 +17,7 @@ use casca_stage::wgpu::{
 use glam::Vec3;
 
 use crate::common::Failed;
+use crate::light::scene::texels_of;
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,18 +111,6 @@ fn corners_of(object: &LitObject, materials: usize) -> Vec<Corner> {
         }
     }
     all
-}
-
-/// By texture where its texels start and its size, and then the texels.
-fn texels_of(scene: &LitScene) -> Vec<u32> {
-    let (mut heads, mut texels) = (Vec::new(), Vec::new());
-    for texture in &scene.textures {
-        let (width, height) = texture.size();
-        heads.extend([(3 * scene.textures.len() + texels.len()) as u32, width, height]);
-        texels.extend(texture.texels().iter().map(|t| u32::from_le_bytes(*t)));
-    }
-    heads.extend(texels);
-    heads
 }
 
 /// The width of the lobe of GGX that a material mirrors by, if it does: that of as sharp a

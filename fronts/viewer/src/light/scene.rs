@@ -101,6 +101,18 @@ impl Room {
     }
 }
 
+/// By texture where its texels start and its size, and then the texels.
+pub fn texels_of(scene: &LitScene) -> Vec<u32> {
+    let (mut heads, mut texels) = (Vec::new(), Vec::new());
+    for texture in &scene.textures {
+        let (width, height) = texture.size();
+        heads.extend([(3 * scene.textures.len() + texels.len()) as u32, width, height]);
+        texels.extend(texture.texels().iter().map(|t| u32::from_le_bytes(*t)));
+    }
+    heads.extend(texels);
+    heads
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
