@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, IVec3, Vec3};
 
-use crate::clip::{Polygon, inside};
+use crate::clip::{Polygon, cross, inside, point_of};
 use crate::input::{Material, Object, Triangle};
 use crate::lattice::Lattice;
 use crate::numeric::{FARTHEST, LEAST_AREA, SEAL};
@@ -47,7 +47,10 @@ impl Surface {
     /// The albedo of a part of it, without holes, and the share of the part that is solid.
     pub(crate) fn over(&self, part: impl FnOnce() -> Polygon, key: u64) -> (Vec3, f32) {
         let Some(skin) = &self.skin else { return (self.albedo, 1.0) };
-        let (mean, solid) = skin.over(self, &part(), key);
+        let part = part();
+        let area = 0.5 * cross(&part).length();
+        let at = |share: f64, across| self.shares(point_of(&part, share * area, across));
+        let (mean, solid) = skin.texture.over(skin.uv, area / self.area, key, at);
         (mean * self.albedo, solid)
     }
 

@@ -4,11 +4,9 @@ use std::sync::Arc;
 
 use glam::{DVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
 
-use crate::clip::{Polygon, cross, point_of};
 use crate::error::LightError;
 use crate::numeric::{GOLDEN, LEAST_SAMPLES, MOST_SAMPLES, TEXEL_SAMPLES};
 use crate::spread::{in_triangle, unit};
-use crate::surfaces::Surface;
 
 /// Colours and holes in rows, without a blur between them. It repeats beyond 0 and 1. Clones share the
 /// texels.
@@ -76,7 +74,13 @@ impl Texture {
 
     /// The same for a part of a triangle, which is a share of it; `at` gives barycentric coordinates of the
     /// second and the third corner by two numbers from 0 to 1.
-    fn over(&self, uv: [Vec2; 3], part: f64, key: u64, at: impl Fn(f64, f64) -> [f64; 2]) -> (Vec3, f32) {
+    pub(crate) fn over(
+        &self,
+        uv: [Vec2; 3],
+        part: f64,
+        key: u64,
+        at: impl Fn(f64, f64) -> [f64; 2],
+    ) -> (Vec3, f32) {
         let [u, v, w] = uv.map(|p| p.as_dvec2() * DVec2::new(self.width.into(), self.height.into()));
         let texels = 0.5 * (v - u).perp_dot(w - u).abs() * part;
         let count = (TEXEL_SAMPLES * texels).clamp(LEAST_SAMPLES, MOST_SAMPLES).ceil();
@@ -117,12 +121,5 @@ impl Skin {
     /// Whether there is something at barycentric coordinates of the second and the third corner.
     pub(crate) fn is_solid(&self, shares: [f64; 2]) -> bool {
         self.texture.at(place(self.uv, shares)).is_some()
-    }
-
-    /// The mean colour of the solid points of a part of a triangle, and the share of these in it.
-    pub(crate) fn over(&self, surface: &Surface, part: &Polygon, key: u64) -> (Vec3, f32) {
-        let area = 0.5 * cross(part).length();
-        let at = |share: f64, across| surface.shares(point_of(part, share * area, across));
-        self.texture.over(self.uv, area / surface.area, key, at)
     }
 }

@@ -275,7 +275,7 @@ impl PathTracer {
             if order == last {
                 break;
             }
-            let scatter = Scatter::new(material, &at, direction);
+            let scatter = Scatter::new(material, (at.colour, at.normal), direction);
             if orders.contains(&(order + 1)) {
                 light += weight * self.next_event(&at, &scatter, random);
             }

@@ -4,10 +4,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rand::RngExt;
 
-use super::Surface;
 use crate::lit::Material;
 use casca_scenes::random::Generator;
 
@@ -25,9 +24,8 @@ pub(super) struct Scatter {
 
 impl Scatter {
     /// `direction` is that of the look, towards the surface.
-    pub(super) fn new(material: &Material, at: &Surface, direction: DVec3) -> Self {
-        let (albedo, specular) = ((material.albedo * at.colour).as_dvec3(), material.specular.as_dvec3());
-        let normal = at.normal;
+    pub(super) fn new(material: &Material, (colour, normal): (Vec3, DVec3), direction: DVec3) -> Self {
+        let (albedo, specular) = ((material.albedo * colour).as_dvec3(), material.specular.as_dvec3());
         let (d, s) = (albedo.element_sum(), specular.element_sum());
         Self {
             normal,
