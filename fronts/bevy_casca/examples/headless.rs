@@ -4,7 +4,8 @@
 //! `cargo run --release -p bevy_casca --example headless`, or with numbers of entities behind `--`.
 //!
 //! The step is what Bevy's sets for visibility run, with whatever stands in the place of their
-//! systems; the frame is all of it, without a renderer.
+//! systems; the frame is all of it, without a renderer. While a level loads, 1,000 entities come in
+//! each frame, until casca knows all of them.
 
 #[path = "town/layout.rs"]
 mod layout;
@@ -48,47 +49,41 @@ enum Culls {
     Casca,
 }
 
-/// What there is besides houses and things that stand still.
+/// What there is besides things that stand still.
 #[derive(Clone, Copy)]
 struct Scene {
     name: &'static str,
+    houses: bool,
     /// Whether one thing in twenty walks.
     walks: bool,
     sun: bool,
     lamps: usize,
 }
 
-const SCENES: [Scene; 4] = [
-    Scene { name: "still", walks: false, sun: false, lamps: 0 },
-    Scene { name: "1 in 20 walks", walks: true, sun: false, lamps: 0 },
-    Scene { name: "walks, sun", walks: true, sun: true, lamps: 0 },
-    Scene { name: "still, 8 lamps", walks: false, sun: false, lamps: 8 },
+const STILL: Scene = Scene { name: "still", houses: true, walks: false, sun: false, lamps: 0 };
+
+const SCENES: [Scene; 5] = [
+    STILL,
+    Scene { name: "1 in 20 walks", walks: true, ..STILL },
+    Scene { name: "walks, sun", walks: true, sun: true, ..STILL },
+    Scene { name: "still, 8 lamps", lamps: 8, ..STILL },
+    Scene { name: "still, no houses", houses: false, ..STILL },
 ];
 
 fn main() {
     let given: Vec<usize> = std::env::args().skip(1).filter_map(|n| n.parse().ok()).collect();
     let sizes = if given.is_empty() { vec![2_000, 20_000, 200_000] } else { given };
     println!(
-        "| entities | scene | by | drawn | casters | lamps | step, ms: median, mean (99%) | of Bevy's | frame: mean (99%) |"
+        "| entities | scene | by | drawn | casters | lamps | step, ms: median, mean (99%) | of Bevy's | frame: mean (99%) | loads: median, mean (longest), frames |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for size in sizes {
         SCENES.iter().for_each(|scene| measure(size, scene));
     }
 }
 
-/// One house to twenty things that stand around or walk.
-fn fill(world: &mut World, size: usize, scene: &Scene) {
-    let cube = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
-    let mut walkers = 0;
-    for (part, i, middle, size) in layout::boxes(size) {
-        let at = Transform::from_translation(middle).with_scale(size);
-        let mut thing = world.spawn((Mesh3d(cube.clone()), at, Opaque::Front));
-        if part == Part::Thing && i.is_multiple_of(20) {
-            thing.insert(Walker(dice(walkers) * 6.3));
-            walkers += 1;
-        }
-    }
+/// Camera and lights.
+fn light(world: &mut World, scene: &Scene) {
     let lens = PerspectiveProjection { aspect_ratio: 16.0 / 9.0, far: 1e4, ..Default::default() };
     world.spawn((Camera3d::default(), Projection::Perspective(lens), street(0)));
     let sun = DirectionalLight { shadow_maps_enabled: scene.sun, ..Default::default() };
@@ -106,7 +101,8 @@ fn street(frame: usize) -> Transform {
     layout::street(frame as f32 / FRAMES as f32)
 }
 
-fn city(size: usize, scene: &Scene, culls: Culls) -> App {
+/// A city, and the times of the frames in which it came.
+fn city(size: usize, scene: &Scene, culls: Culls) -> (App, Vec<f64>) {
     let mut app = App::new();
     app.add_plugins((TaskPoolPlugin::default(), TransformPlugin, AssetPlugin::default(), MeshPlugin));
     app.init_asset::<bevy_image::Image>().add_plugins((CameraPlugin, LightPlugin));
@@ -130,19 +126,31 @@ fn city(size: usize, scene: &Scene, culls: Culls) -> App {
             mark.after(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
         ),
     );
-    fill(app.world_mut(), size, scene);
-    let start = Instant::now();
-    let mut frames = 0;
-    // Until all entities are known, all meshes are prepared, and bounds have been computed.
-    while frames < 4 || culls as u8 > Culls::Off as u8 && !is_ready(&app, size) {
+    light(app.world_mut(), scene);
+    let cube = app.world_mut().resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
+    // One house to twenty things that stand around or walk.
+    let boxes = layout::boxes(size).filter(|(part, ..)| scene.houses || *part != Part::House);
+    let boxes: Vec<_> = boxes.collect();
+    let (mut coming, mut times, start) = (boxes.chunks(1000), Vec::new(), Instant::now());
+    loop {
+        let (frame, come) = (Instant::now(), coming.next());
+        for (part, i, middle, size) in come.unwrap_or_default() {
+            let at = Transform::from_translation(*middle).with_scale(*size);
+            let mut thing = app.world_mut().spawn((Mesh3d(cube.clone()), at, Opaque::Front));
+            if *part == Part::Thing && i.is_multiple_of(20) {
+                thing.insert(Walker(dice(*i) * 6.3));
+            }
+        }
         app.update();
-        frames += 1;
-        if start.elapsed().as_secs() > 60 {
+        times.push(frame.elapsed().as_secs_f64() * 1e3);
+        // All entities are known, all meshes are prepared, and bounds have been computed.
+        let is_ready = times.len() >= 4 && (culls as u8 <= Culls::Off as u8 || is_ready(&app, boxes.len()));
+        if come.is_none() && is_ready || start.elapsed().as_secs() > 60 {
             break;
         }
     }
     app.world_mut().resource_mut::<Marks>().0.clear();
-    app
+    (app, times)
 }
 
 /// Moves what moves. Runs a frame; returns the time of the step and of all.
@@ -184,7 +192,8 @@ fn measure(size: usize, scene: &Scene) {
     if scene.sun || scene.lamps > 0 {
         all.insert(2, (Culls::Cameras, "casca, cameras only"));
     }
-    let mut apps: Vec<App> = all.iter().map(|(culls, _)| city(size, scene, *culls)).collect();
+    let cities = all.iter().map(|(culls, _)| city(size, scene, *culls));
+    let (mut apps, mut loads): (Vec<App>, Vec<_>) = cities.unzip();
     let mut times = vec![[Vec::new(), Vec::new()]; apps.len()];
     let mut sums = vec![[0; 3]; apps.len()];
     for frame in 0..FRAMES {
@@ -193,13 +202,15 @@ fn measure(size: usize, scene: &Scene) {
             sums.iter_mut().zip(counts(app)).for_each(|(sum, count)| *sum += count);
         }
     }
-    times.iter_mut().flatten().for_each(|times| times.sort_by(f64::total_cmp));
-    let mean = |times: &[f64]| times.iter().sum::<f64>() / FRAMES as f64;
+    times.iter_mut().flatten().chain(&mut loads).for_each(|times| times.sort_by(f64::total_cmp));
+    let mean = |times: &[f64]| times.iter().sum::<f64>() / times.len() as f64;
     let (bevys, of_all) = (times[0][0][FRAMES / 2], mean(&times[0][0]));
-    for (((_, name), [step, frame]), [drawn, casters, lamps]) in all.iter().zip(&times).zip(&sums) {
+    for ((((_, name), [step, frame]), [drawn, casters, lamps]), load) in
+        all.iter().zip(&times).zip(&sums).zip(&loads)
+    {
         let [middle, worst] = [FRAMES / 2, FRAMES * 99 / 100];
         println!(
-            "| {size} | {} | {name} | {} | {} | {:.1} | {:.3}, {:.3} ({:.3}) | {:.2}, {:.2} | {:.2} ({:.2}) |",
+            "| {size} | {} | {name} | {} | {} | {:.1} | {:.3}, {:.3} ({:.3}) | {:.2}, {:.2} | {:.2} ({:.2}) | {:.2}, {:.2} ({:.2}), {} |",
             scene.name,
             drawn / FRAMES,
             casters / FRAMES,
@@ -211,6 +222,10 @@ fn measure(size: usize, scene: &Scene) {
             mean(step) / of_all,
             mean(frame),
             frame[worst],
+            load[load.len() / 2],
+            mean(load),
+            load[load.len() - 1],
+            load.len(),
         );
     }
 }

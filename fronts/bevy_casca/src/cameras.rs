@@ -141,16 +141,17 @@ pub(crate) fn check_cameras(
             query.set_point_options(settings.options).ok().map(|()| query)
         };
         let active = cameras.iter().filter(|camera| camera.camera.is_active);
-        let mut jobs: Vec<(Entity, KeptQuery, View)> = active
+        let queries: Vec<(Entity, KeptQuery, View)> = active
             .filter_map(|camera| Some((camera.entity, camera.view()?)))
             .filter_map(|(key, view)| Some((key, old.remove(&key).or_else(new)?, view)))
             .collect();
+        // What still holds asks no task.
+        let (held, mut jobs): (Vec<_>, Vec<_>) =
+            queries.into_iter().partition(|(_, query, view)| query.pvs().is_valid_for(scene, view));
         beams::each(&mut jobs, &|(_, query, view)| {
-            if !query.pvs().is_valid_for(scene, view) {
-                query.run(scene, view);
-            }
+            query.run(scene, view);
         });
-        casca.cameras.extend(jobs.into_iter().map(|(key, query, _)| (key, query)));
+        casca.cameras.extend(held.into_iter().chain(jobs).map(|(key, query, _)| (key, query)));
     }
     let ranges = ranges.as_deref();
     // Lamps are decided after these lists are filled, by what of the visible entities they light.

@@ -23,6 +23,8 @@ pub(super) struct Paint<'a> {
     pub(super) textures: Vec<Texture>,
     /// By texture of the file, least opacity and factor of opacity.
     known: HashMap<(usize, u32, u32), u32>,
+    /// By texture of the file: those that shine.
+    lights: HashMap<usize, Texture>,
 }
 
 impl<'a> Paint<'a> {
@@ -32,6 +34,7 @@ impl<'a> Paint<'a> {
             images: Images::new(&file.buffers, folder),
             textures: Vec::new(),
             known: HashMap::new(),
+            lights: HashMap::new(),
         }
     }
 
@@ -57,6 +60,17 @@ impl<'a> Paint<'a> {
         let number = self.textures.len() as u32 - 1;
         self.known.insert(kind, number);
         Ok(number)
+    }
+
+    /// A texture that shines: without holes.
+    fn light(&mut self, info: &Info) -> Result<Texture, Trouble> {
+        let index = info.texture().index();
+        if let Some(known) = self.lights.get(&index) {
+            return Ok(known.clone());
+        }
+        let made = texture_of(self.images.of(&info.texture())?, info, 0.0, 1.0)?;
+        self.lights.insert(index, made.clone());
+        Ok(made)
     }
 
     /// Where the vertices of a primitive lie in a texture as that goes on here: by repeating.
@@ -95,7 +109,7 @@ impl<'a> Paint<'a> {
             let color = self.places(&primitive, material.pbr_metallic_roughness().base_color_texture())?;
             let glow = material.emissive_texture();
             let light = match &glow {
-                Some(info) => Some(texture_of(self.images.of(&info.texture())?, info, 0.0, 1.0)?),
+                Some(info) => Some(self.light(info)?),
                 None => None,
             };
             painted.push((color, self.places(&primitive, glow)?, light));

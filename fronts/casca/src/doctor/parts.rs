@@ -49,10 +49,7 @@ pub struct Parts {
 impl Parts {
     /// Of a world as it is now.
     pub fn of(world: &World) -> Self {
-        let json = &*world.source.document;
-        let file = File(
-            serde_json::from_slice(json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json)).unwrap_or_default(),
-        );
+        let file = File(document(world));
         let (mut all, mut hide) = (Part::default(), BTreeMap::<&str, Part>::new());
         let mut clear = BTreeMap::<String, Part>::new();
         for (i, object) in world.objects.iter().enumerate() {
@@ -128,6 +125,12 @@ fn surfaces(object: &Object) -> Vec<(usize, Sides, f64)> {
             mesh.triangles.iter().enumerate().filter_map(surface).collect()
         }
     }
+}
+
+/// The JSON of the file that a world comes from; null if it comes from none.
+pub fn document(world: &World) -> Value {
+    let json = &*world.source.document;
+    serde_json::from_slice(json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json)).unwrap_or_default()
 }
 
 /// The JSON of a file.

@@ -10,6 +10,8 @@ use casca_truth::oracle::RayOracle;
 use glam::camera::rh::view::look_to_mat4;
 use glam::{DVec3, Vec3};
 
+use super::parts::document;
+
 /// Width over height of all pictures.
 pub const ASPECT: f32 = 16.0 / 9.0;
 /// Frames in one place. They begin with a jump, after which some do not count.
@@ -46,7 +48,7 @@ impl Views {
     /// Those of a world, whose objects stand still from now on.
     pub fn of(world: World, seed: u64) -> (World, Self) {
         let eye = |frame| world.camera(frame, ASPECT).eye;
-        let own_camera = world.source.document.windows(9).any(|word| word == b"\"cameras\"");
+        let own_camera = document(&world)["cameras"].is_array();
         let moves = (1..world.frames).any(|frame| eye(frame) != eye(0));
         let from_file = world.source.document.is_empty() || own_camera && moves;
         let options = WalkOptions { movers: 0, stretches: PLACES, frames: FRAMES, seed };

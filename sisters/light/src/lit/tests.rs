@@ -60,3 +60,14 @@ fn spots_end_at_their_edges() {
     assert_eq!((spot(0.0), spot(40.0)), (Some(1.0), None));
     assert!(spot(25.0).unwrap() < 1.0);
 }
+
+#[test]
+fn lights_that_are_none_light_nothing() {
+    let sun = |direction, irradiance| Light::Sun { direction, irradiance, half_angle: 0.0 };
+    for bad in [Vec3::ZERO, Vec3::NAN, -Vec3::INFINITY] {
+        let point = Light::Point { position: Vec3::X, intensity: bad, radius: 0.1 };
+        for light in [point, sun(bad, Vec3::ONE), sun(Vec3::NEG_Y, bad)] {
+            assert_eq!(light.incident(Vec3::ZERO), None, "{light:?}");
+        }
+    }
+}

@@ -65,10 +65,10 @@ pub fn ways() -> Result<Vec<Way>, LabError> {
         let query = Query::with_method(Method::Point(options))?;
         all.push(Way { name: name.to_owned(), engine: Engine::EachFrame(Box::new(query)) });
     }
-    for (reach, turn, aside) in [(0.25, 8.6, false), (0.06, 5.0, true), (0.25, 8.6, true)] {
-        let options = KeptOptions::new().reach(reach).turn(f32::to_radians(turn));
+    let (usual, small) = (KeptOptions::new(), KeptOptions::new().reach(0.06).turn(f32::to_radians(5.0)));
+    for (options, aside) in [(usual, false), (small, true), (usual, true)] {
         let query = Box::new(KeptQuery::with_options(options)?);
-        let name = format!("kept, {reach} m, {turn:.0} degrees");
+        let name = format!("kept, {} m, {:.0} degrees", options.reach, options.turn.to_degrees());
         all.push(match aside {
             true => Way { name: name + ", another thread", engine: Engine::Aside(query, None, None) },
             false => Way { name, engine: Engine::Kept(query) },

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use rand::RngExt;
 
 use super::*;
@@ -178,13 +178,11 @@ fn a_closed_room_keeps_its_energy_until_it_is_absorbed() {
 
 #[test]
 fn lights_and_emitters_together_shine_as_the_sum_of_their_closed_forms() {
-    let lamp = square(2.0, 0.7);
-    let corners: Vec<DVec3> = lamp.positions.iter().map(|p| p.as_dvec3()).collect();
     let floor = |gloss| match gloss {
         0.0 => Material::matt(Vec3::splat(0.5)),
         _ => Material { specular: Vec3::splat(0.3), gloss, ..Material::matt(Vec3::splat(0.5)) },
     };
-    let lit = |gloss: f32, emission: f32, intensity: f32| {
+    let lit = |lamp: &Mesh, gloss: f32, emission: f32, intensity: f32| {
         let emitter = Material::emitter(Vec3::splat(emission));
         let mut all = scene(vec![(square(0.0, 5.0), floor(gloss)), (lamp.clone(), emitter)]);
         // Two lights below the lamp: one of them is a ball.
@@ -192,9 +190,12 @@ fn lights_and_emitters_together_shine_as_the_sum_of_their_closed_forms() {
         all.lights = vec![at(Vec3::new(0.5, 1.0, 0.25), 0.0), at(Vec3::new(-1.0, 1.5, 0.0), 0.3)];
         PathTracer::new(&all)
     };
-    for x in [-1.5, 0.0, 2.0] {
+    for (x, tilt) in [(-1.5, 0.6), (0.0, 0.0), (2.0, -0.3)] {
+        let mut lamp = square(0.0, 0.7);
+        lamp.positions.iter_mut().for_each(|p| *p = Quat::from_rotation_x(tilt) * *p + Vec3::Y * 2.0);
+        let corners: Vec<DVec3> = lamp.positions.iter().map(|p| p.as_dvec3()).collect();
         let (from, to) = (DVec3::new(x + 0.4, 0.5, 0.2), DVec3::new(x, 0.0, 0.5));
-        let (found, error) = look(&lit(0.0, 3.0, 4.0), from, to, 1..=1, 20_000);
+        let (found, error) = look(&lit(&lamp, 0.0, 3.0, 4.0), from, to, 1..=1, 20_000);
         let by = |position: DVec3| 4.0 * position.y / (position - to).length().powi(3);
         let lights = by(DVec3::new(0.5, 1.0, 0.25)) + by(DVec3::new(-1.0, 1.5, 0.0));
         let truth = 0.5 / PI * (3.0 * lambert(&corners, to, DVec3::Y) + lights);
@@ -203,8 +204,9 @@ fn lights_and_emitters_together_shine_as_the_sum_of_their_closed_forms() {
         // A glossy floor has no closed form: the parts add up.
         for gloss in [0.3, 0.8] {
             let parts = [(3.0, 4.0), (3.0, 0.0), (0.0, 4.0)];
-            let [both, lamp, lights] = parts.map(|(l, p)| look(&lit(gloss, l, p), from, to, 1..=2, 20_000));
-            near(both.0, lamp.0 + lights.0, 5.0 * (both.1 + lamp.1 + lights.1));
+            let of = |(l, p)| look(&lit(&lamp, gloss, l, p), from, to, 1..=2, 20_000);
+            let [both, lamps, lights] = parts.map(of);
+            near(both.0, lamps.0 + lights.0, 5.0 * (both.1 + lamps.1 + lights.1));
         }
     }
 }
