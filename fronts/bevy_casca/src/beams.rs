@@ -9,6 +9,11 @@ use bevy_platform::collections::HashMap;
 use bevy_tasks::ComputeTaskPool;
 use casca::{Method, PointOptions, Query, Scene, View};
 
+/// A light whose query finds this many entities is asked once a frame at most, one with twice as many
+/// in every second frame, and so on, up to a second.
+const LIT_A_FRAME: usize = 256;
+const LONGEST_PAUSE: usize = 64;
+
 /// More changes than this in a frame count as changes everywhere.
 const MOST_CHANGES: usize = 256;
 
@@ -16,7 +21,7 @@ const MOST_CHANGES: usize = 256;
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
     boxes: Vec<(Vec3A, Vec3A)>,
-    everywhere: bool,
+    pub(crate) everywhere: bool,
 }
 
 impl Changes {
@@ -65,16 +70,24 @@ pub(crate) struct Beam {
     query: Query,
     /// The entities in the light that do not move.
     lit: Vec<Entity>,
-    /// The last frame for which that holds.
+    /// Whether that holds, and the last frame for which it did or was found not to.
+    holds: bool,
     frame: u32,
+    /// The frame in which the query ran.
+    ran: u32,
 }
 
 impl Beam {
-    /// The entities that may cast shadows.
-    pub(crate) fn casters(&self, movers: &EntityHashMap<Mover>) -> impl Iterator<Item = Entity> {
+    /// The entities that may cast shadows; `None` where that is not known.
+    pub(crate) fn casters(&self, movers: &EntityHashMap<Mover>) -> Option<impl Iterator<Item = Entity>> {
         let near = movers.iter().filter(|(_, mover)| self.aim.reach.overlaps(&mover.around));
         let near = near.map(|(entity, _)| *entity);
-        self.lit.iter().copied().chain(near)
+        self.holds.then(|| self.lit.iter().copied().chain(near))
+    }
+
+    /// Frames from one query to the next one: where much is lit, that takes long.
+    fn pause(&self) -> u32 {
+        (self.lit.len() / LIT_A_FRAME).min(LONGEST_PAUSE) as u32
     }
 }
 
@@ -110,16 +123,20 @@ pub(crate) fn shine(
     for (key, aim) in aims {
         let (mut query, mut lit) = (Query::new(), Vec::new());
         if let Some(beam) = old.remove(&key) {
-            let held = beam.frame.wrapping_add(1) == frame && beam.query.method() == method;
-            if held && beam.aim == aim && !changes.reach(&aim.reach) {
-                beams.insert(key, Beam { frame, ..beam });
+            let held = beam.holds && beam.frame.wrapping_add(1) == frame && beam.query.method() == method;
+            let holds = held && beam.aim == aim && !changes.reach(&aim.reach);
+            if holds || changes.everywhere || frame.wrapping_sub(beam.ran) < beam.pause() {
+                beams.insert(key, Beam { aim, holds, frame, ..beam });
                 continue;
             }
             (query, lit) = (beam.query, beam.lit);
+        } else if changes.everywhere {
+            // While a level loads, no result would hold until the next frame.
+            continue;
         }
         if query.method() == method || query.set_method(method).is_ok() {
             lit.clear();
-            jobs.push((key, Beam { aim, query, lit, frame }));
+            jobs.push((key, Beam { aim, query, lit, holds: true, frame, ran: frame }));
         }
     }
     each(&mut jobs, &|(_, beam)| _ = beam.query.run(scene, &beam.aim.view));

@@ -19,7 +19,7 @@ use casca::{KeptOptions, KeptQuery, View};
 
 use crate::drawn::{self, Drawn};
 use crate::lamps::Lamps;
-use crate::scene::{CascaScene, InScene};
+use crate::scene::{CascaScene, Eye, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
 use crate::{beams, border, layers};
 
@@ -110,6 +110,17 @@ pub(crate) struct Cameras {
 /// be seen than pays.
 const REACH: f64 = 0.25;
 
+/// Entities by which the number in a frustum is estimated.
+const SAMPLE: usize = 512;
+
+/// With fewer entities in its frustum, no camera rests: a query costs little there.
+const FEW: usize = 128;
+
+/// A camera rests for a frame for each so many entities that its query found, since the next one takes as
+/// long, but for no fewer frames and no more than these.
+const FOUND_A_FRAME: usize = 4;
+const REST: (usize, usize) = (32, 1024);
+
 /// The lists of a camera, by classes.
 type Lists = TypeIdHashMap<Vec<Entity>>;
 
@@ -134,24 +145,27 @@ pub(crate) fn check_cameras(
     if std::mem::replace(&mut casca.options, settings.options) != settings.options {
         old.clear();
     }
+    let (mut ran, frame) = (Vec::new(), casca.frame);
     if let Some(scene) = &casca.scene {
         let reach = KeptOptions::new().reach((REACH * scene.grid().cell_size()) as f32);
         let new = || {
             let mut query = KeptQuery::with_options(reach).ok()?;
-            query.set_point_options(settings.options).ok().map(|()| query)
+            query.set_point_options(settings.options).ok().map(|()| Eye { query, until: 0 })
         };
         let active = cameras.iter().filter(|camera| camera.camera.is_active);
-        let queries: Vec<(Entity, KeptQuery, View)> = active
+        let eyes: Vec<(Entity, Eye, View)> = active
             .filter_map(|camera| Some((camera.entity, camera.view()?)))
             .filter_map(|(key, view)| Some((key, old.remove(&key).or_else(new)?, view)))
             .collect();
-        // What still holds asks no task.
+        // Who rests, or has a result that holds, asks no task.
+        let holds = |eye: &Eye, view: &View| eye.until > frame || eye.query.pvs().is_valid_for(scene, view);
         let (held, mut jobs): (Vec<_>, Vec<_>) =
-            queries.into_iter().partition(|(_, query, view)| query.pvs().is_valid_for(scene, view));
-        beams::each(&mut jobs, &|(_, query, view)| {
-            query.run(scene, view);
+            eyes.into_iter().partition(|(_, eye, view)| holds(eye, view));
+        beams::each(&mut jobs, &|(_, eye, view)| {
+            eye.query.run(scene, view);
         });
-        casca.cameras.extend(held.into_iter().chain(jobs).map(|(key, query, _)| (key, query)));
+        ran.extend(jobs.iter().map(|(key, ..)| *key));
+        casca.cameras.extend(held.into_iter().chain(jobs).map(|(key, eye, _)| (key, eye)));
     }
     let ranges = ranges.as_deref();
     // Lamps are decided after these lists are filled, by what of the visible entities they light.
@@ -174,7 +188,7 @@ pub(crate) fn check_cameras(
         );
         let shines = |lamp: &Entity| unmanaged.get_mut(*lamp).is_ok_and(|item| item.is_seen(&viewer));
         in_view.extend(later.keys().copied().filter(shines).map(|lamp| (lamp, camera.entity)));
-        match (casca.cameras.get(&camera.entity).map(KeptQuery::pvs), &casca.scene) {
+        match (casca.camera(camera.entity).map(KeptQuery::pvs), &casca.scene) {
             (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
                 let mut seen = 0;
@@ -186,6 +200,17 @@ pub(crate) fn check_cameras(
                 }
                 casca.counts.visible += seen;
                 casca.counts.culled += scene.len().saturating_sub(seen);
+                if ran.contains(&camera.entity) && !casca.is_loading() {
+                    let step = scene.len() / SAMPLE + 1;
+                    let in_frustum = managed.iter_mut().step_by(step).filter(|item| item.is_seen(&viewer));
+                    let in_frustum = in_frustum.count() * step;
+                    let vain =
+                        in_frustum >= FEW && seen as f32 > in_frustum as f32 * (1.0 - settings.least_hidden);
+                    if let Some(eye) = casca.cameras.get_mut(&camera.entity).filter(|_| vain) {
+                        let frames = (seen / FOUND_A_FRAME).clamp(REST.0, REST.1);
+                        eye.until = frame.saturating_add(frames as u32);
+                    }
+                }
             }
             _ => managed
                 .par_iter_mut()
@@ -240,8 +265,9 @@ impl CamerasReadOnlyItem<'_, '_> {
 /// Ends the frame of the scene with the sets of all cameras.
 pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
     let start = Instant::now();
-    let CascaScene { scene: Some(scene), cameras, counts, .. } = &mut *casca else { return };
+    let CascaScene { scene: Some(scene), cameras, counts, frame, .. } = &mut *casca else { return };
+    let awake = cameras.values().filter(|eye| eye.until <= *frame);
     // Sets that are older still hold. Would one be refused, hidden entities only cost more.
-    let _ = scene.end_frame(cameras.values().map(KeptQuery::pvs));
+    let _ = scene.end_frame(awake.map(|eye| eye.query.pvs()));
     counts.time += start.elapsed();
 }

@@ -83,7 +83,7 @@ impl Lamps<'_, '_> {
             if lamps.is_empty() {
                 return;
             }
-            let query = casca.cameras.get(&camera).filter(|_| !strays);
+            let query = casca.camera(camera).filter(|_| !strays);
             let sight = query.zip(casca.scene.as_ref()).and_then(|(query, scene)| query.sight(scene));
             for glow in lamps.values_mut() {
                 glow.in_sight = sight.as_ref().is_none_or(|sight| glow.may_be_seen(sight));

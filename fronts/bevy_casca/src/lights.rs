@@ -81,7 +81,7 @@ pub(crate) fn check_suns(
             let layers = layers.unwrap_or_default();
             // What lies before the near plane casts a shadow, too.
             let shine = Shine { layers, origin: Some(camera), sphere: None, near: false };
-            let lit = beams.get(&(entity, camera)).map(|beam| beam.casters(&casca.movers));
+            let lit = beams.get(&(entity, camera)).and_then(|beam| beam.casters(&casca.movers));
             let lists = casters.lists(&shine, frusta, lit);
             let out = visible.entities.entry(camera).or_default();
             out.resize_with(frusta.len(), VisibleMeshEntities::default);
@@ -214,7 +214,7 @@ pub(crate) fn check_lamps(
         let sphere = Sphere { center: lamp.transform.translation_vec3a(), radius: range };
         let layers = lamp.layers.unwrap_or_default();
         let shine = Shine { layers, origin, sphere: Some(sphere), near: true };
-        let lit = beams.get(&(entity, entity)).map(|beam| beam.casters(&casca.movers));
+        let lit = beams.get(&(entity, entity)).and_then(|beam| beam.casters(&casca.movers));
         for (out, list) in out.into_iter().zip(casters.lists(&shine, frusta, lit)) {
             casca.counts.casters += list.len();
             out.entities = list;

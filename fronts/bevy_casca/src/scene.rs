@@ -24,7 +24,7 @@ use crate::why_not::WhyNot;
 pub struct CascaScene {
     pub(crate) scene: Option<Scene>,
     pub(crate) occluders: Occluders,
-    pub(crate) cameras: EntityHashMap<KeptQuery>,
+    pub(crate) cameras: EntityHashMap<Eye>,
     /// Those that the queries of cameras were made with.
     pub(crate) options: PointOptions,
     /// Of directional lights.
@@ -48,6 +48,14 @@ pub struct CascaScene {
     pub(crate) grid_made: u32,
 }
 
+/// The query of a camera, which rests where it leaves out too little.
+#[derive(Debug)]
+pub(crate) struct Eye {
+    pub(crate) query: KeptQuery,
+    /// The frame until which it rests.
+    pub(crate) until: u32,
+}
+
 /// What a frame came to: see [`CascaDiagnostics`](crate::CascaDiagnostics).
 #[derive(Debug, Default)]
 pub(crate) struct Counts {
@@ -64,9 +72,10 @@ impl CascaScene {
     }
 
     /// The query of a camera. [`KeptQuery::pvs`] lists what the camera sees in this frame, and
-    /// [`KeptQuery::sight`] answers questions about its view. `None` if it is culled by frustum only.
+    /// [`KeptQuery::sight`] answers questions about its view. `None` if it is culled by frustum only,
+    /// as for some time where little is hidden: [`CascaSettings::least_hidden`].
     pub fn camera(&self, camera: Entity) -> Option<&KeptQuery> {
-        self.cameras.get(&camera)
+        self.cameras.get(&camera).filter(|eye| eye.until <= self.frame).map(|eye| &eye.query)
     }
 
     /// Takes out of the scene what is not in it any more.
@@ -92,6 +101,11 @@ impl CascaScene {
     /// The number of meshes that are prepared to hide.
     pub fn occluders(&self) -> usize {
         self.occluders.ready()
+    }
+
+    /// Whether more comes than a result could hold for.
+    pub(crate) fn is_loading(&self) -> bool {
+        self.is_preparing() || self.changes.everywhere
     }
 
     /// Whether meshes are being prepared in the background.

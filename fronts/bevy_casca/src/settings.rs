@@ -14,13 +14,17 @@ pub struct CascaSettings {
     /// A camera keeps what it finds for the way that it goes in the next frames: [`casca::KeptQuery`].
     /// Default: [`PointOptions::balanced`], [coherent](PointOptions::coherent).
     pub options: PointOptions,
+    /// A camera is culled by frustum only for some time (half a second to 17 seconds, at 60 frames a second)
+    /// when its query left out a smaller share of what is in its frustum than this: then the query costs
+    /// more than to draw the rest. 0 for what is dear to draw: no camera rests. Default: 2/3.
+    pub least_hidden: f32,
     /// Which shadow casters are left out. Default: [`Shadows::Lit`].
     pub shadows: Shadows,
     /// An entity that has not moved for so many frames counts as still, and may hide others.
     /// Default: 8.
     pub still_after: u32,
     /// The most entities that are taken over in a frame; others are culled by frustum until it is
-    /// their turn. Default: 16,384.
+    /// their turn. Default: 4,096.
     pub most_new: usize,
     /// Meshes with more triangles than this hide nothing by themselves; give such entities an
     /// [`Occluder`]. Default: 200,000.
@@ -37,9 +41,10 @@ impl Default for CascaSettings {
         Self {
             enabled: true,
             options: PointOptions::balanced().coherent(true),
+            least_hidden: 2.0 / 3.0,
             shadows: Shadows::Lit,
             still_after: 8,
-            most_new: 1 << 14,
+            most_new: 1 << 12,
             most_triangles: 200_000,
             #[cfg(feature = "cache")]
             cache: None,

@@ -3,6 +3,7 @@
 mod common;
 
 use bevy_math::{DAffine3, DMat3, DVec3};
+use casca_scenes::random::Dice;
 use common::*;
 
 const SUN: u32 = 1_000_001;
@@ -22,38 +23,31 @@ const FAR: f64 = 200.0;
 #[derive(Component)]
 struct Asleep;
 
-struct Dice(u64);
+/// A number below another.
+fn below(dice: &mut Dice, n: u32) -> u32 {
+    (dice.range(0.0, n as f32) as u32).min(n - 1)
+}
 
-impl Dice {
-    fn below(&mut self, n: u32) -> u32 {
-        self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-        let x = (self.0 >> 33) as u32;
-        (u64::from(x ^ x >> 15) % u64::from(n)) as u32
+/// A number up to `most` on both sides of 0: half of all on a small lattice.
+fn number(dice: &mut Dice, most: f32) -> f32 {
+    match dice.chance(0.5) {
+        true => ((below(dice, 9) as f32 - 4.0) * most / 4.0).round(),
+        false => dice.range(-most, most),
     }
+}
 
-    /// A number up to `most` on both sides of 0: half of all on a small lattice.
-    fn number(&mut self, most: f32) -> f32 {
-        match self.below(2) {
-            0 => ((self.below(9) as f32 - 4.0) * most / 4.0).round(),
-            _ => (self.below(20_001) as f32 / 10_000.0 - 1.0) * most,
-        }
-    }
+fn point(dice: &mut Dice, most: f32) -> Vec3 {
+    Vec3::new(number(dice, most), number(dice, most), number(dice, most))
+}
 
-    fn point(&mut self, most: f32) -> Vec3 {
-        Vec3::new(self.number(most), self.number(most), self.number(most))
-    }
-
-    fn place(&mut self, nr: u32) -> Transform {
-        let size = match nr < WALLS {
-            true => {
-                let (wide, thin) = (14.0, 1.0);
-                let sizes = [[wide, 10.0, thin], [thin, 10.0, wide], [wide, thin, wide]];
-                sizes[nr as usize % 3].into()
-            }
-            false => Vec3::splat([0.5, 1.0, 2.0][self.below(3) as usize]),
-        };
-        Transform::from_translation(self.point(16.0)).with_scale(size)
-    }
+fn place(dice: &mut Dice, nr: u32) -> Transform {
+    let (wide, thin) = (14.0, 1.0);
+    let sizes = [[wide, 10.0, thin], [thin, 10.0, wide], [wide, thin, wide]];
+    let size = match nr < WALLS {
+        true => sizes[nr as usize % 3].into(),
+        false => Vec3::splat([0.5, 1.0, 2.0][below(dice, 3) as usize]),
+    };
+    Transform::from_translation(point(dice, 16.0)).with_scale(size)
 }
 
 /// What the boxes may be made of.
@@ -102,9 +96,9 @@ fn world_of_boxes(seed: u64) -> App {
         paints,
         picture: (there, None),
     };
-    let mut dice = Dice(seed);
+    let mut dice = Dice::new(seed, 0);
     for nr in 0..BOXES {
-        let place = dice.place(nr);
+        let place = place(&mut dice, nr);
         let entity = spawn_box(world, nr, place.translation, place.scale);
         world.entity_mut(entity).insert(MeshMaterial3d(stock.paints[0].clone()));
     }
@@ -117,7 +111,7 @@ fn world_of_boxes(seed: u64) -> App {
     let lamp = PointLight { shadow_maps_enabled: true, range: 60.0, ..Default::default() };
     world.spawn((Nr(LAMP), lamp, Transform::from_xyz(0.0, 3.0, 0.0)));
     world.insert_resource(stock);
-    world.insert_resource(Late(Dice(seed ^ 0xabcd), 0));
+    world.insert_resource(Late(Dice::new(seed, 1), 0));
     settle(&mut app);
     app
 }
@@ -141,12 +135,12 @@ fn put<C: Component>(entity: &mut EntityWorldMut, component: Option<C>) {
 /// Takes away a component of a box, gives it one, or moves it.
 fn change(world: &mut World, dice: &mut Dice, frame: u32) {
     let stock = world.resource::<Stock>().clone();
-    let nr = dice.below(BOXES);
-    let parent = entity_of(world, PARENTS[dice.below(3) as usize]).unwrap();
+    let nr = below(dice, BOXES);
+    let parent = entity_of(world, PARENTS[below(dice, 3) as usize]).unwrap();
     let Some(id) = entity_of(world, nr) else { return };
     let mut thing = world.entity_mut(id);
-    let (coin, three) = (dice.below(2) == 0, dice.below(3) as usize);
-    match dice.below(27) {
+    let (coin, three) = (below(dice, 2) == 0, below(dice, 3) as usize);
+    match below(dice, 27) {
         0 => put(&mut thing, [None, Some(Visibility::Hidden), Some(Visibility::Visible)][three]),
         1 => {
             let states = [None, Some(InheritedVisibility::HIDDEN), Some(InheritedVisibility::VISIBLE)];
@@ -156,21 +150,21 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
         3 => {
             let mesh = TypeId::of::<Mesh3d>();
             let classes = [vec![], vec![mesh], vec![mesh, TypeId::of::<Nr>()]][three].clone();
-            put(&mut thing, (dice.below(4) > 0).then(|| VisibilityClass(classes.into_iter().collect())));
+            put(&mut thing, (below(dice, 4) > 0).then(|| VisibilityClass(classes.into_iter().collect())));
         }
         4 => put(&mut thing, coin.then_some(Disabled)),
         5 => put(&mut thing, coin.then_some(Asleep)),
         6 => put(&mut thing, coin.then(|| Mesh3d(stock.meshes[three].clone()))),
         7 => put(&mut thing, coin.then(|| MeshMaterial3d(stock.paints[0].clone()))),
-        8 | 9 => put(&mut thing, Some(MeshMaterial3d(stock.paints[dice.below(6) as usize].clone()))),
+        8 | 9 => put(&mut thing, Some(MeshMaterial3d(stock.paints[below(dice, 6) as usize].clone()))),
         10 => {
             let sets: [&[usize]; 3] = [&[0], &[1], &[0, 40]];
-            put(&mut thing, (dice.below(4) > 0).then(|| RenderLayers::from_layers(sets[three])));
+            put(&mut thing, (below(dice, 4) > 0).then(|| RenderLayers::from_layers(sets[three])));
         }
         11 => put::<Aabb>(&mut thing, None),
         12 => put(&mut thing, coin.then_some(NoFrustumCulling)),
-        13 => put(&mut thing, Some(dice.place(nr))),
-        14 => put(&mut thing, coin.then(|| GlobalTransform::from(dice.place(nr)))),
+        13 => put(&mut thing, Some(place(dice, nr))),
+        14 => put(&mut thing, coin.then(|| GlobalTransform::from(place(dice, nr)))),
         15 => put(&mut thing, coin.then_some(NotShadowCaster)),
         16 => put(&mut thing, coin.then_some(ChildOf(parent))),
         17 => put(&mut thing, [None, Some(Opaque::Front), Some(Opaque::Front)][three]),
@@ -180,7 +174,7 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
         21 => put(&mut thing, (three == 0).then_some(NoCpuCulling)),
         22 => mend(world, id, nr, dice),
         23 => *world.get_mut(parent).unwrap() = [Visibility::Hidden, Visibility::Inherited][coin as usize],
-        24 => world.get_mut::<Transform>(parent).unwrap().translation = dice.point(2.0),
+        24 => world.get_mut::<Transform>(parent).unwrap().translation = point(dice, 2.0),
         _ => change_assets(world, &stock, dice, frame),
     }
 }
@@ -188,7 +182,7 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
 /// A new box in the place of one, with all that it needs.
 fn mend(world: &mut World, id: Entity, nr: u32, dice: &mut Dice) {
     let paint = MeshMaterial3d(world.resource::<Stock>().paints[0].clone());
-    let place = dice.place(nr);
+    let place = place(dice, nr);
     if nr.is_multiple_of(3) {
         world.despawn(id);
     } else {
@@ -203,10 +197,10 @@ fn change_assets(world: &mut World, stock: &Stock, dice: &mut Dice, frame: u32) 
     if frame == 0 {
         return;
     }
-    if dice.below(2) == 0 {
+    if below(dice, 2) == 0 {
         let mut paints = world.resource_mut::<Assets<Paint>>();
         let mut paint = paints.get_mut(&stock.paints[3]).unwrap();
-        paint.glass = dice.below(2) == 0;
+        paint.glass = below(dice, 2) == 0;
         return;
     }
     let (image, since) = stock.picture.clone();
@@ -359,7 +353,7 @@ fn look(app: &mut App, dice: &mut Dice, frame: u32, what: &str) -> [usize; 3] {
     let mut hidden = [0; 3];
     for _ in 0..250 {
         // Within the view, which is 45 degrees high.
-        let mut side = |most: f32| (dice.below(2001) as f32 / 1000.0 - 1.0) * most;
+        let mut side = |most: f32| dice.range(-most, most);
         let ray = Vec3::new(side(0.7), side(0.4), -1.0);
         let along = eye.transform_vector3(ray).as_dvec3().normalize();
         // As deep as the near plane, along this ray.
@@ -384,23 +378,23 @@ fn what_bevy_does_not_draw_never_hides() {
     let mut hidden = [0; 3];
     for seed in 0..6 {
         let mut app = world_of_boxes(seed);
-        let mut dice = Dice(seed + 100);
+        let mut dice = Dice::new(seed, 2);
         for frame in 1..250 {
             let world = app.world_mut();
             // Some frames change much, some nothing.
-            let count = [0, 1, 2, 6][dice.below(4) as usize];
+            let count = [0, 1, 2, 6][below(&mut dice, 4) as usize];
             for _ in 0..count {
                 change(world, &mut dice, frame);
             }
-            world.resource_mut::<Late>().1 = dice.below(3);
+            world.resource_mut::<Late>().1 = below(&mut dice, 3);
             if frame % 5 == 0 {
-                let at = Transform::from_translation(dice.point(18.0));
+                let at = Transform::from_translation(point(&mut dice, 18.0));
                 let camera = entity(world, CAMERA);
-                *world.get_mut::<Transform>(camera).unwrap() = at.looking_at(dice.point(3.0), Vec3::Y);
+                *world.get_mut::<Transform>(camera).unwrap() = at.looking_at(point(&mut dice, 3.0), Vec3::Y);
                 let lamp = entity(world, LAMP);
-                world.get_mut::<Transform>(lamp).unwrap().translation = dice.point(8.0);
+                world.get_mut::<Transform>(lamp).unwrap().translation = point(&mut dice, 8.0);
                 // Walls wear out.
-                for nr in [dice.below(WALLS), dice.below(WALLS), dice.below(BOXES)] {
+                for nr in [below(&mut dice, WALLS), below(&mut dice, WALLS), below(&mut dice, BOXES)] {
                     entity_of(world, nr).into_iter().for_each(|id| mend(world, id, nr, &mut dice));
                 }
             }

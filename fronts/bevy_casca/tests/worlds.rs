@@ -159,3 +159,31 @@ fn a_crowd_of_5000_that_moves() {
     assert!(waiting > 0, "the scene is not told that frames end");
     assert!(n > 500 * FRAMES as usize, "little is hidden: {n}");
 }
+
+#[test]
+fn a_camera_rests_where_little_is_hidden() {
+    let grid = |n: u32, x: f32| Vec3::new(x + (n % 20) as f32 - 9.5, (n / 20) as f32 - 9.5, -40.0);
+    let mut pair = Pair::new(|world| {
+        // Far from them, as many behind a wall.
+        (0..400).for_each(|n| _ = spawn_box(world, n, grid(n, 0.0), Vec3::splat(0.5)));
+        (401..801).for_each(|n| _ = spawn_box(world, n, grid(n - 401, 900.0), Vec3::splat(0.5)));
+        opaque(world, 400, Vec3::new(900.0, 0.0, -10.0), Vec3::new(60.0, 60.0, 1.0));
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+    });
+    pair.ours.world_mut().resource_mut::<CascaSettings>().least_hidden = 0.5;
+    let camera = entity(pair.ours.world_mut(), CAMERA);
+    let mut asked = [0; 2];
+    for frame in 0..400 {
+        let (ours, bevys) = pair.frame(|world| {
+            // A camera that stands asks once.
+            let x = if frame < 200 { 0.0 } else { 900.0 } + 0.02 * (frame % 200) as f32;
+            on(world, CAMERA, |camera| camera.get_mut::<Transform>().unwrap().translation.x = x);
+        });
+        let asks = pair.ours.world().resource::<CascaScene>().camera(camera).is_some();
+        asked[frame / 200] += u32::from(asks);
+        assert!(asks || ours == bevys, "frame {frame}");
+        assert!(frame < 300 || asks && ours[&CAMERA].len() == 1, "frame {frame}");
+    }
+    // A frame rests for each four things that were found: 100.
+    assert!(asked[0] < 10 && asked[1] >= 100, "{asked:?}");
+}

@@ -7,5 +7,6 @@ pub mod fur;
 pub mod herd;
 #[cfg(not(target_family = "wasm"))]
 pub mod rendered;
+#[cfg(not(target_family = "wasm"))]
 pub mod scenes;
 pub mod town;

@@ -6,9 +6,7 @@ use std::sync::mpsc::channel;
 
 use bevy::app::PluginsState;
 use bevy::camera::RenderTarget;
-use bevy::camera::visibility::{
-    CascadesVisibleEntities, CubemapVisibleEntities, ViewVisibility, VisibleEntities, VisibleMeshEntities,
-};
+use bevy::camera::visibility::VisibleEntities;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
@@ -20,7 +18,8 @@ use bevy::window::ExitCondition;
 use bevy_casca::{CascaPlugin, CascaScene, CascaSettings, standard_materials};
 use casca_tools::image::write_png;
 
-use crate::scenes::{Moves, Scene};
+use crate::scenes::Scene;
+use crate::town::Moves;
 
 pub const WIDTH: u32 = 480;
 pub const HEIGHT: u32 = 270;
@@ -122,24 +121,9 @@ impl Rendered {
     }
 
     /// The meshes in the list of the camera.
-    pub fn drawn(&mut self) -> usize {
+    pub fn drawn(&self) -> usize {
         let seen = self.app.world().get::<VisibleEntities>(self.camera);
         seen.map_or(0, |seen| seen.get(TypeId::of::<Mesh3d>()).len())
-    }
-
-    /// The meshes in the shadow maps of all lights, each as often as it is drawn there.
-    pub fn casters(&mut self) -> usize {
-        let world = self.app.world_mut();
-        let mut suns = world.query::<&CascadesVisibleEntities>();
-        let cascades = suns.iter(world).flat_map(|sun| sun.entities.values().flatten());
-        let mut count: usize = cascades.map(|cascade| cascade.entities.len()).sum();
-        // Lamps that shine on nothing in sight have no shadow maps.
-        let mut bulbs = world.query::<(&CubemapVisibleEntities, &ViewVisibility)>();
-        let bulbs = bulbs.iter(world).filter(|(_, seen)| seen.get()).flat_map(|(bulb, _)| bulb.iter());
-        count += bulbs.map(|face| face.entities.len()).sum::<usize>();
-        let mut spots = world.query::<(&VisibleMeshEntities, &ViewVisibility)>();
-        let spots = spots.iter(world).filter(|(_, seen)| seen.get());
-        count + spots.map(|(spot, _)| spot.entities.len()).sum::<usize>()
     }
 }
 

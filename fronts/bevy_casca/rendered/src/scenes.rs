@@ -1,10 +1,11 @@
 //! Generated scenes, the same in each run: entities, their motion, and the way of the camera.
 
-use std::f32::consts::{PI, TAU};
-
 use bevy::prelude::*;
 use bevy_casca::Occluder;
+use casca_scenes::random::Dice;
 use clap::ValueEnum;
+
+use crate::town::{self, Moves};
 
 /// A scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -13,34 +14,19 @@ pub enum Scene {
     City,
     /// Rooms in a row, with doors that open, and a lamp in each.
     House,
-    /// 5,000 that walk between walls.
-    Crowd,
-}
-
-/// Something that goes to and fro.
-#[derive(Component)]
-pub struct Moves {
-    rest: Vec3,
-    by: Vec3,
-    rate: f32,
-}
-
-impl Moves {
-    /// Where it is at a time, in seconds.
-    pub fn at(&self, time: f32) -> Vec3 {
-        self.rest + self.by * (time * self.rate).sin()
-    }
+    /// The town of the window, with 2,000 things.
+    Town,
 }
 
 impl Scene {
-    pub const ALL: [Self; 3] = [Self::City, Self::House, Self::Crowd];
+    pub const ALL: [Self; 3] = [Self::City, Self::House, Self::Town];
 
     /// The seconds from one picture to the next.
     pub fn step(self) -> f32 {
         match self {
             Self::City => 0.37,
             Self::House => 0.21,
-            Self::Crowd => 0.29,
+            Self::Town => 0.29,
         }
     }
 
@@ -57,21 +43,17 @@ impl Scene {
                 let at = Vec3::new(4.0 + 36.0 * (1.0 - (time * 0.2).cos()), 1.6, 0.3 * time.sin());
                 (at, Vec3::new((time * 0.2).sin().signum(), 0.1 * time.sin(), 0.5 * (time * 1.3).sin()))
             }
-            Self::Crowd => {
-                let at = Vec3::new((time * 0.3).sin() * 30.0, 1.7, (time * 0.2).cos() * 30.0);
-                (at, Vec3::new((time * 0.9).cos(), -0.03, (time * 0.9).sin()))
-            }
+            Self::Town => return town::street(time),
         };
         Transform::from_translation(at).looking_to(to, Vec3::Y)
     }
 
     /// Spawns all that is in the scene, but no camera.
     pub fn fill(self, world: &mut World) {
-        let mut set = Set::new(world);
         match self {
-            Self::City => city(&mut set),
-            Self::House => house(&mut set),
-            Self::Crowd => crowd(&mut set),
+            Self::City => city(&mut Set::new(world)),
+            Self::House => house(&mut Set::new(world)),
+            Self::Town => town::fill(world, 2000),
         }
     }
 }
@@ -89,15 +71,14 @@ struct Set<'a> {
 
 impl<'a> Set<'a> {
     fn new(world: &'a mut World) -> Self {
-        let mut dice = Dice(7);
+        let mut dice = Dice::new(7, 0);
         let mut mesh = |mesh: Mesh| world.resource_mut::<Assets<Mesh>>().add(mesh);
         let cube = mesh(Cuboid::new(1.0, 1.0, 1.0).into());
         let ball = mesh(Sphere::new(0.5).mesh().uv(24, 12));
         let ring = mesh(Torus::new(0.3, 0.5).into());
         let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-        let color = |dice: &mut Dice| {
-            Color::srgb(dice.within(0.2, 1.0), dice.within(0.2, 1.0), dice.within(0.2, 1.0))
-        };
+        let color =
+            |dice: &mut Dice| Color::srgb(dice.range(0.2, 1.0), dice.range(0.2, 1.0), dice.range(0.2, 1.0));
         let mut add = |material| materials.add(material);
         let colors = (0..16)
             .map(|_| {
@@ -133,12 +114,12 @@ impl<'a> Set<'a> {
     /// Spawns a small thing: one in three is a ring.
     fn thing(&mut self, number: usize, at: Vec3) -> Entity {
         let mesh = if number.is_multiple_of(3) { self.ring.clone() } else { self.ball.clone() };
-        let (color, size) = (self.colors[15].clone(), self.dice.within(0.3, 1.0));
+        let (color, size) = (self.colors[15].clone(), self.dice.range(0.3, 1.0));
         self.put(&mesh, &color, at, Vec3::splat(size))
     }
 
     fn moves(&mut self, entity: Entity, rest: Vec3, by: Vec3) {
-        let rate = self.dice.within(0.5, 2.0);
+        let rate = self.dice.range(0.5, 2.0);
         self.world.entity_mut(entity).insert(Moves { rest, by, rate });
     }
 
@@ -165,18 +146,18 @@ fn city(set: &mut Set) {
     for (i, j) in (-8..8).flat_map(|i| (-8..8).map(move |j| (i, j))) {
         let middle = Vec3::new(i as f32 * 16.0 + 8.0, 0.0, j as f32 * 16.0 + 8.0);
         let half = Vec3::new(5.0, 0.0, 5.0);
-        if set.dice.unit() < 0.85 {
-            let height = set.dice.within(6.0, 24.0);
-            let color = 1 + (set.dice.unit() * 14.0) as usize;
+        if set.dice.chance(0.85) {
+            let height = set.dice.range(6.0, 24.0);
+            let color = 1 + (set.dice.range(0.0, 14.0)) as usize;
             set.block(color, middle - half, middle + half + Vec3::Y * height);
             let (cube, glass) = (set.cube.clone(), set.glass.clone());
             set.put(&cube, &glass, middle + Vec3::new(5.1, 3.0, 0.0), Vec3::new(0.1, 2.0, 6.0));
         }
         for k in 0..8 {
             let dice = &mut set.dice;
-            let side = Vec3::new(dice.within(5.6, 10.0), dice.within(0.3, 2.5), dice.within(-8.0, 8.0));
+            let side = Vec3::new(dice.range(5.6, 10.0), dice.range(0.3, 2.5), dice.range(-8.0, 8.0));
             let at = middle + if k % 2 == 0 { side } else { side.zyx() };
-            let by = Vec3::new(dice.within(-3.0, 3.0), 0.2, dice.within(-3.0, 3.0));
+            let by = Vec3::new(dice.range(-3.0, 3.0), 0.2, dice.range(-3.0, 3.0));
             let thing = set.thing(k, at);
             if k == 5 {
                 set.moves(thing, at, by);
@@ -216,7 +197,7 @@ fn house(set: &mut Set) {
     for room in 0..rooms {
         for k in 0..40 {
             let dice = &mut set.dice;
-            let at = Vec3::new(dice.within(0.5, 7.5), dice.within(0.2, 2.6), dice.within(-3.5, 3.5));
+            let at = Vec3::new(dice.range(0.5, 7.5), dice.range(0.2, 2.6), dice.range(-3.5, 3.5));
             let at = at + Vec3::X * room as f32 * size;
             // The way of the camera stays free.
             let at = if at.z.abs() < 1.2 { at.with_z(at.z + 1.8 * at.z.signum()) } else { at };
@@ -226,43 +207,5 @@ fn house(set: &mut Set) {
             }
         }
         set.bulb(Vec3::new(room as f32 * size + 4.0, 2.7, 1.5), 12.0);
-    }
-}
-
-/// Walls that stand about, and boxes that walk behind and before them.
-fn crowd(set: &mut Set) {
-    set.block(0, Vec3::new(-60.0, -1.0, -60.0), Vec3::new(60.0, 0.0, 60.0));
-    for k in 0..60 {
-        let dice = &mut set.dice;
-        let (radius, angle) = (dice.within(6.0, 50.0), dice.within(0.0, TAU));
-        let at = Vec3::new(angle.cos() * radius, 2.0, angle.sin() * radius);
-        let turn = dice.within(0.0, PI);
-        let (cube, color) = (set.cube.clone(), set.colors[1 + k % 14].clone());
-        let wall = set.put(&cube, &color, at, Vec3::new(9.0, 4.0, 0.4));
-        if let Some(mut place) = set.world.get_mut::<Transform>(wall) {
-            place.rotate_y(turn);
-        }
-    }
-    for k in 0..5_000 {
-        let dice = &mut set.dice;
-        let rest = Vec3::new(dice.within(-55.0, 55.0), 0.9, dice.within(-55.0, 55.0));
-        let by = Vec3::new(dice.within(-4.0, 4.0), 0.0, dice.within(-4.0, 4.0));
-        let person = set.block(k, rest - Vec3::new(0.2, 0.9, 0.2), rest + Vec3::new(0.2, 0.9, 0.2));
-        set.moves(person, rest, by);
-    }
-    set.sun();
-}
-
-/// Numbers that are the same in each run.
-struct Dice(u64);
-
-impl Dice {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn within(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.unit()
     }
 }

@@ -19,18 +19,18 @@ pub struct Thing;
 #[derive(Component)]
 pub struct Ground;
 
-/// A thing that walks about where it stands.
+/// Something that goes to and fro.
 #[derive(Component)]
-pub struct Walker {
-    home: Vec3,
-    phase: f32,
+pub struct Moves {
+    pub rest: Vec3,
+    pub by: Vec3,
+    pub rate: f32,
 }
 
-impl Walker {
+impl Moves {
     /// Where it is at a time, in seconds.
     pub fn at(&self, time: f32) -> Vec3 {
-        let angle = self.phase + time * 0.7;
-        self.home + Vec3::new(angle.sin(), 0.0, (angle * 0.63).cos()) * 1.5
+        self.rest + self.by * (time * self.rate).sin()
     }
 }
 
@@ -55,7 +55,9 @@ pub fn fill(world: &mut World, size: usize) {
         if part == Part::Ground {
             thing.insert(Ground);
         } else if part == Part::Thing && i.is_multiple_of(20) {
-            thing.insert(Walker { home: middle, phase: dice(i) * 6.3 });
+            let angle = dice(i) * 6.3;
+            let by = Vec3::new(angle.cos(), 0.0, angle.sin()) * 2.5;
+            thing.insert(Moves { rest: middle, by, rate: 0.5 });
         }
     }
     let sun = DirectionalLight { illuminance: 8_000.0, shadow_maps_enabled: true, ..default() };

@@ -89,6 +89,9 @@ pub fn headless(with_casca: bool) -> App {
     app.add_plugins((CameraPlugin, LightPlugin));
     app.init_resource::<Changes>();
     app.add_systems(Last, note_changes);
+    if let Some(mut settings) = app.world_mut().get_resource_mut::<CascaSettings>() {
+        settings.least_hidden = 0.0;
+    }
     let cube = app.world_mut().resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
     app.insert_resource(Cube(cube));
     app

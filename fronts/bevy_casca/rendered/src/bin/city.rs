@@ -21,7 +21,7 @@ use bevy::render::RenderPlugin;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_casca::{CascaDiagnostics, CascaPlugin, CascaSettings, NoOcclusionCulling, standard_materials};
-use bevy_casca_rendered::town::{self, Ground, Thing, Walker};
+use bevy_casca_rendered::town::{self, Ground, Moves, Thing};
 use clap::Parser;
 
 /// The title of the window, before the counts.
@@ -181,25 +181,17 @@ fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
     world.spawn((Words, Text::default(), font, place, BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.65))));
 }
 
-/// F1 turns casca on and off, Space stops all that walks, B shows the view from above.
+/// F1 turns casca on and off, B the view from above; Space walks on after a flight.
 fn keys(
     pressed: Res<ButtonInput<KeyCode>>,
     mut settings: ResMut<CascaSettings>,
     mut walk: ResMut<Walk>,
-    mut time: ResMut<Time<Virtual>>,
     mut bird: Single<&mut Camera, With<Bird>>,
 ) {
     if pressed.just_pressed(KeyCode::F1) {
         settings.enabled = !settings.enabled;
     }
-    if pressed.just_pressed(KeyCode::Space) {
-        if time.is_paused() {
-            time.unpause();
-        } else {
-            time.pause();
-        }
-        walk.goes = !time.is_paused();
-    }
+    walk.goes |= pressed.just_pressed(KeyCode::Space);
     if pressed.just_pressed(KeyCode::KeyB) {
         bird.is_active = !bird.is_active;
     }
@@ -212,7 +204,7 @@ fn walk(
     time: Res<Time>,
     mut walk: ResMut<Walk>,
     mut eye: Single<&mut Transform, With<Eye>>,
-    mut walkers: Query<(&mut Transform, &Walker), Without<Eye>>,
+    mut walkers: Query<(&mut Transform, &Moves), Without<Eye>>,
 ) {
     walkers.iter_mut().for_each(|(mut at, walker)| at.translation = walker.at(time.elapsed_secs()));
     if walk.goes {
@@ -298,7 +290,7 @@ fn tell(
         "{who}\n{} things, {} in view\n{drawn} drawn, {} hidden\n{} draws in shadow maps\n\
          {took}\nF1 turns casca on and off\nB the view from above:\n\
          drawn (yellow), hidden (blue), out of view (grey)\n\
-         Space stops and walks; W A S D Q E and the right mouse button fly",
+         W A S D Q E and the right mouse button fly, Space walks on",
         things.iter().len(),
         in_view.0,
         in_view.0.saturating_sub(drawn),

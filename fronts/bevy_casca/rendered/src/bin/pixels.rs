@@ -46,32 +46,24 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
     let of_scene = format!("{scene:?}").to_lowercase();
     let settings = Some(CascaSettings::default());
     let (mut casca, mut bevy) = (Rendered::new(scene, settings)?, Rendered::new(scene, None)?);
-    let (mut pictures, mut pixels, mut greatest) = (0, 0, 0);
-    let mut counts = [[0; 2]; 2];
+    let (mut pictures, mut pixels) = (0, 0);
+    let mut drawn = [0; 2];
     for frame in 0..frames {
         let (with, without) = (casca.picture(scene, frame)?, bevy.picture(scene, frame)?);
         let differ = with.chunks(4).zip(without.chunks(4)).filter(|(a, b)| a != b).count();
-        let most = with.iter().zip(&without).map(|(a, b)| a.abs_diff(*b)).max();
         pictures += u32::from(differ > 0);
         pixels += differ;
-        greatest = greatest.max(most.unwrap_or(0));
-        for (count, app) in counts.iter_mut().zip([&mut casca, &mut bevy]) {
-            count[0] += app.drawn();
-            count[1] += app.casters();
-        }
+        drawn = [drawn[0] + casca.drawn(), drawn[1] + bevy.drawn()];
         let folder = out.filter(|_| differ > 0 || frame == frames / 2);
         for (name, picture) in [("casca", with), ("bevy", without)] {
             save(folder, &format!("{of_scene}-{frame}-{name}.png"), (WIDTH, HEIGHT), &picture)?;
         }
     }
-    let of = |sum: usize| sum / frames.max(1) as usize;
     println!(
-        "{of_scene}: {pictures} of {frames} pictures differ, in {pixels} pixels, by {greatest} of 255 at most; \
-         drawn {} of {}, casters {} of {}; {} meshes hide",
-        of(counts[0][0]),
-        of(counts[1][0]),
-        of(counts[0][1]),
-        of(counts[1][1]),
+        "{of_scene}: {pictures} of {frames} pictures differ, in {pixels} pixels; \
+         drawn {} of {}; {} meshes hide",
+        drawn[0] / frames.max(1) as usize,
+        drawn[1] / frames.max(1) as usize,
         casca.casca().map_or(0, CascaScene::occluders)
     );
     Ok(pictures)
