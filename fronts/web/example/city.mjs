@@ -1,6 +1,7 @@
 // A city in three.js whose hidden meshes casca hides: draw calls before and after, and whether the
 // pictures are equal.
-import init, { Query, Scene, View } from "casca";
+import init from "casca";
+import { CascaCuller } from "casca/three";
 import * as THREE from "three";
 
 const BLOCKS = 20;
@@ -15,33 +16,11 @@ function generator(seed) {
   };
 }
 
-// Whether three.js draws something in each pixel of a mesh's box, before all that lies behind: an
-// opaque block with the axes of the world that the camera shows. All else must not hide.
-function hides(mesh, camera) {
-  const opaque = (m) =>
-    m.visible && m.side !== THREE.BackSide && !m.wireframe && !m.isShaderMaterial &&
-    !m.transparent && m.opacity === 1 && m.blending === THREE.NormalBlending && !m.transmission &&
-    !m.alphaTest && !m.alphaHash && !m.alphaMap && !m.displacementMap &&
-    m.depthTest && m.depthWrite && m.colorWrite && !m.stencilWrite && !m.clippingPlanes?.length;
-  const whole = ({ type, drawRange }) => type === "BoxGeometry" && drawRange.start === 0 && drawRange.count === Infinity;
-  const columns = [0, 4, 8].map((at) => mesh.matrixWorld.elements.slice(at, at + 3));
-  let shown = mesh.layers.test(camera.layers) && !mesh.isInstancedMesh && !mesh.isSkinnedMesh;
-  for (let node = mesh; node; node = node.parent) shown &&= node.visible;
-  return shown && whole(mesh.geometry) && columns.every((c) => c.filter(Boolean).length === 1) && [mesh.material].flat().every(opaque);
-}
-
-// What three.js draws in spite of what is before it is never culled.
-const showsThrough = (mesh) => [mesh.material].flat().some((m) => !m.depthTest || m.depthFunc !== THREE.LessEqualDepth);
-
-// Adds a mesh to three's scene, with its box for casca's.
-function add(world, meshes, geometry, material, at, size) {
+function add(world, geometry, material, at, size) {
   const mesh = new THREE.Mesh(geometry, material);
   mesh.position.set(...at);
   mesh.scale.set(...size);
   world.add(mesh);
-  mesh.updateMatrixWorld();
-  const box = new THREE.Box3().setFromObject(mesh);
-  meshes.push({ mesh, box: [...box.min.toArray(), ...box.max.toArray()] });
   return mesh;
 }
 
@@ -53,7 +32,6 @@ function city() {
   const sun = new THREE.DirectionalLight(0xffffff, 1.5);
   sun.position.set(60, 120, 30);
   world.add(sun);
-  const meshes = [];
   const cube = new THREE.BoxGeometry(1, 1, 1);
   const ball = new THREE.IcosahedronGeometry(0.5, 1);
   const paint = (h, s, l) => new THREE.MeshLambertMaterial({ color: new THREE.Color().setHSL(h, s, l) });
@@ -61,27 +39,27 @@ function city() {
   const things = [paint(0.55, 0.7, 0.5), paint(0.95, 0.7, 0.55), paint(0.33, 0.5, 0.4)];
   const glass = new THREE.MeshLambertMaterial({ color: 0x88ccff, transparent: true, opacity: 0.3 });
   const mark = new THREE.MeshBasicMaterial({ color: 0xff0000, transparent: true, depthTest: false });
-  add(world, meshes, cube, paint(0.1, 0.05, 0.45), [SIZE / 2, -0.5, SIZE / 2], [SIZE, 1, SIZE]);
+  add(world, cube, paint(0.1, 0.05, 0.45), [SIZE / 2, -0.5, SIZE / 2], [SIZE, 1, SIZE]);
   for (let x = 0; x < BLOCKS; x++) {
     for (let z = 0; z < BLOCKS; z++) {
       const height = 8 + Math.floor(random() * 24);
       const [cx, cz] = [(x + 0.5) * PITCH, (z + 0.5) * PITCH];
       const wall = walls[Math.floor(random() * walls.length)];
-      add(world, meshes, cube, wall, [cx, height / 2, cz], [8, height, 8]);
+      add(world, cube, wall, [cx, height / 2, cz], [8, height, 8]);
       // Panes of glass and blocks that are not drawn close the street; a mark shows through houses.
       if (z === BLOCKS / 2) {
-        add(world, meshes, cube, x % 2 ? glass : wall, [cx + 6, 4, cz - 6], [0.2, 8, 4]).visible = x % 2 === 1;
-        add(world, meshes, ball, mark, [cx, height / 2, cz + 2 * PITCH], [1, 1, 1]);
+        add(world, cube, x % 2 ? glass : wall, [cx + 6, 4, cz - 6], [0.2, 8, 4]).visible = x % 2 === 1;
+        add(world, ball, mark, [cx, height / 2, cz + 2 * PITCH], [1, 1, 1]);
       }
       // Things that stand in the streets.
       for (let n = 0; n < 6; n++) {
         const along = (random() - 0.5) * 10;
         const at = n % 2 ? [cx + along, 0.5, cz + 6] : [cx + 6, 0.5, cz + along];
-        add(world, meshes, ball, things[n % 3], at, [1, 1, 1]);
+        add(world, ball, things[n % 3], at, [1, 1, 1]);
       }
     }
   }
-  return { world, meshes };
+  return world;
 }
 
 // Walks through the city. Returns the means of all frames.
@@ -90,46 +68,27 @@ export async function run(canvas, frames) {
   const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
   renderer.setSize(canvas.width, canvas.height, false);
   const camera = new THREE.PerspectiveCamera(60, canvas.width / canvas.height, 0.1, 500);
-  const { world, meshes } = city();
-
-  const scene = new Scene(2);
-  const drawn = meshes.filter((m) => m.mesh.visible && !showsThrough(m.mesh));
-  const [solid, rest] = [true, false].map((wanted) => drawn.filter((m) => hides(m.mesh, camera) === wanted));
-  const byId = new Map();
-  for (const [group, occludes] of [[solid, true], [rest, false]]) {
-    const ids = scene.insertBoxes(group.flatMap((m) => m.box), occludes);
-    ids.forEach((id, i) => byId.set(id, group[i].mesh));
-  }
-  const query = new Query();
+  const world = city();
+  const culler = new CascaCuller(renderer, { cell: 2 });
 
   const picture = () => {
-    renderer.render(world, camera);
     const gl = renderer.getContext();
     const pixels = new Uint8Array(4 * canvas.width * canvas.height);
     gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     return pixels;
   };
-  const said = { objects: meshes.length, frames, before: 0, after: 0, milliseconds: 0, differing: 0 };
+  const objects = world.children.filter((child) => child.isMesh).length;
+  const said = { objects, frames, before: 0, after: 0, differing: 0 };
   for (let frame = 0; frame < frames; frame++) {
     // A walk along a street, looking around.
     const along = ((frame + 0.5) / frames) * (SIZE - 40) + 20;
     camera.position.set(along, 1.7, SIZE / 2);
     camera.lookAt(along + Math.cos(frame), 2.5 + Math.sin(frame * 0.7), SIZE / 2 + Math.sin(frame));
-    camera.updateMatrixWorld();
     // Three's own culling by the frustum is on in both.
-    drawn.forEach((m) => (m.mesh.visible = true));
+    renderer.render(world, camera);
     const all = picture();
     said.before += renderer.info.render.calls / frames;
-
-    const begin = performance.now();
-    const matrix = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-    const view = View.perspective(camera.position.toArray(), matrix.elements);
-    const seen = query.run(scene, view);
-    view.free();
-    drawn.forEach((m) => (m.mesh.visible = false));
-    seen.forEach((id) => (byId.get(id).visible = true));
-    said.milliseconds += (performance.now() - begin) / frames;
-
+    culler.render(world, camera);
     const culled = picture();
     said.after += renderer.info.render.calls / frames;
     for (let i = 0; i < all.length; i++) said.differing += Number(all[i] !== culled[i]);

@@ -1,5 +1,8 @@
 // What TypeScript must take, and must refuse.
 import { KeptQuery, Mesh, Query, Scene, View, fieldOfView } from "casca";
+import inline from "casca/inline";
+import { CascaCuller } from "casca/three";
+import { PerspectiveCamera, Scene as World, WebGLRenderer } from "three";
 
 const scene = new Scene(1);
 const ids: BigUint64Array = scene.insertBoxes(new Float32Array(6), true);
@@ -15,3 +18,8 @@ scene.has(3);
 // @ts-expect-error: a view is no scene
 new Query().run(view, view);
 console.log(seen, kept, tiles);
+await inline();
+const culler = new CascaCuller(new WebGLRenderer(), { cell: 1 });
+culler.render(new World(), new PerspectiveCamera());
+// @ts-expect-error: a camera is no scene
+culler.render(new PerspectiveCamera(), new PerspectiveCamera());

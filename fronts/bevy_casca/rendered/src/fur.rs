@@ -17,7 +17,7 @@ use casca_fur::gpu::look::{Look, sky_pixel};
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
 use casca_fur::gpu::renderer::Renderer;
-use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex, linear_of};
+use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex};
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
 use casca_scenes::world;
@@ -175,7 +175,7 @@ pub fn coats(rendered: &mut Rendered) -> Vec<(u32, bool)> {
 
 /// A byte of the sRGB curve as one of the power that casca-fur uses.
 fn stored_again(byte: u8) -> u8 {
-    (linear_of(byte).powf(1.0 / 2.2) * 255.0).round() as u8
+    (Srgba::gamma_function(f32::from(byte) / 255.0).powf(1.0 / 2.2) * 255.0).round() as u8
 }
 
 /// A mesh of casca-fur, with the colours and lengths of its coat.
