@@ -217,7 +217,7 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         Motion::Dynamic { .. } if case.unreported => desc.reported_on_expiry(),
         _ => desc,
     };
-    let mut driver = Driver::with(&objects, case.cell, adapt, |_| ())?;
+    let mut driver = Driver::with(&objects, case.cell, None, adapt, |_| ())?;
     let mut contenders = contenders()?;
     let options = OracleOptions {
         width: item_width(lab),
