@@ -41,7 +41,7 @@ const MOST: [(&str, usize); 28] = [
     ("src", 41600),
     ("tests", 11000),
     ("crates/cache", 400),
-    ("crates/lab", 6350),
+    ("crates/lab", 6250),
     ("crates/scenes", 8650),
     ("crates/slots", 650),
     ("crates/tools", 1200),

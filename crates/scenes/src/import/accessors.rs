@@ -4,6 +4,7 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
+use glam::Vec3;
 use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, buffer::View};
@@ -90,6 +91,16 @@ impl Buffers {
             let mut components = bytes.chunks_exact(size).map(|c| component(data_type, normalized, c));
             std::array::from_fn(|_| components.next().unwrap_or(0.0))
         })
+    }
+
+    /// Reads vectors that must be finite.
+    pub(super) fn vectors(&self, accessor: &Accessor, what: &'static str) -> Result<Vec<Vec3>, Trouble> {
+        let vectors = self.floats(accessor, what, Components::Floats)?;
+        let vectors: Vec<Vec3> = vectors.into_iter().map(Vec3::from_array).collect();
+        match vectors.iter().all(|v| v.is_finite()) {
+            true => Ok(vectors),
+            false => Err(unfit(accessor, what, "not finite")),
+        }
     }
 
     /// Reads the indices of a primitive.
