@@ -43,10 +43,12 @@ pub struct Buffers {
 }
 
 impl Buffers {
-    /// Those of a file, each with its bytes.
-    pub fn new(bytes: Vec<Rc<Vec<u8>>>) -> Self {
+    /// Those of a file, each with its bytes; some of these, as many as given, were packed, and are
+    /// read no more than once.
+    pub(super) fn new(bytes: Vec<Rc<Vec<u8>>>, unpacked: usize) -> Self {
         let all = Self { bytes, left: Cell::new(FREE_ELEMENTS) };
-        all.left.set(all.bytes().saturating_mul(ELEMENTS_OF_A_BYTE).saturating_add(FREE_ELEMENTS));
+        let held = all.bytes().saturating_sub(unpacked).saturating_mul(ELEMENTS_OF_A_BYTE);
+        all.left.set(held.saturating_add(unpacked).saturating_add(FREE_ELEMENTS));
         all
     }
 

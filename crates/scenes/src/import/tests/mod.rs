@@ -14,6 +14,7 @@ mod files;
 mod instances;
 mod lenient;
 mod nodes;
+mod packed;
 mod parts;
 
 use parts::{F32, Parts, bytes_of, glb};
