@@ -37,15 +37,16 @@ const ROOTS: [&str; 18] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 28] = [
+const MOST: [(&str, usize); 29] = [
     ("src", 41600),
-    ("tests", 11850),
+    ("tests", 11000),
     ("crates/cache", 400),
-    ("crates/lab", 6350),
+    ("crates/lab", 6250),
+    ("crates/meshopt", 450),
     ("crates/scenes", 8650),
     ("crates/slots", 650),
     ("crates/tools", 1200),
-    ("crates/truth", 9200),
+    ("crates/truth", 8700),
     ("sisters/fur", 8800),
     ("sisters/images", 250),
     ("sisters/light", 9750),

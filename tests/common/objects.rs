@@ -52,16 +52,6 @@ pub fn describe(object: &Object) -> ObjectDesc {
     occluder.map_or(desc.clone(), |o| desc.occluder(o))
 }
 
-pub fn moved_by(shape: &Shape, by: Vec3) -> Shape {
-    match *shape {
-        Shape::Sphere { center, radius } => Shape::Sphere { center: center + by, radius },
-        Shape::Box { min, max } => Shape::Box { min: min + by, max: max + by },
-        Shape::Mesh { ref mesh, transform } => {
-            Shape::Mesh { mesh: mesh.clone(), transform: Affine3A::from_translation(by) * transform }
-        }
-    }
-}
-
 /// Of objects that a result leaves out, those that rays from a camera reach.
 pub fn lost(
     objects: &[Object],

@@ -110,28 +110,42 @@ pub struct World {
 
 impl World {
     pub fn new(solids: &[Solid], targets: &[impl Copy + Into<Solid>]) -> Self {
-        Self::with(solids, targets, ObjectDesc::fixed)
-    }
-
-    /// Targets are inserted as `describe` says.
-    pub fn with(
-        solids: &[Solid],
-        targets: &[impl Copy + Into<Solid>],
-        describe: impl Fn(Bounds) -> ObjectDesc,
-    ) -> Self {
         let mut scene = empty();
         solids.iter().for_each(|&solid| _ = scene.solid(solid));
         let insert = |&target: &_| {
             let solid: Solid = Into::into(target);
-            (scene.insert(describe(solid.into())).unwrap(), solid)
+            (scene.fixed(solid), solid)
         };
         let targets = targets.iter().map(insert).collect();
         Self { scene, solids: solids.to_vec(), targets }
     }
 
-    /// The targets of which an eye sees a point inside the half-spaces.
+    /// The targets of which an eye sees a point inside the half-spaces: of balls, the middle and
+    /// points of the surface are looked for, of boxes a lattice.
     pub fn seen(&self, eye: DVec3, planes: &[(DVec3, f64)]) -> Vec<ObjectId> {
-        seen(&self.solids, &self.targets, eye, planes)
+        let hiding = hiding(&self.solids, eye);
+        let sees = |p: DVec3| {
+            // Rays start at the near plane. The sides of a camera pass through its eye, but for the
+            // room by which they were moved.
+            let start = planes.iter().fold(0.0f64, |t, &(n, offset)| {
+                let (a, b) = (n.dot(eye) + offset + INWARDS, n.dot(p) + offset + INWARDS);
+                if a < -INWARDS { t.max(a / (a - b)) } else { t }
+            });
+            planes.iter().all(|&(n, offset)| n.dot(p) + offset >= 0.0)
+                && is_free(&hiding, eye + (p - eye) * start, p)
+        };
+        let points = |target: &Solid| match target {
+            Solid::Box(b) => points_of(b, 5).collect(),
+            Solid::Ball(s) => {
+                let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
+                let way = (eye - c).normalize_or(DVec3::X);
+                let side = way.any_orthonormal_vector();
+                let ways = [DVec3::ZERO, way, side, -side, way.cross(side), side.cross(way)];
+                ways.map(|d| c + d * r * 0.999).to_vec()
+            }
+        };
+        let found = self.targets.iter().filter(|(_, target)| points(target).into_iter().any(sees));
+        found.map(|(id, _)| *id).collect()
     }
 }
 
@@ -153,39 +167,6 @@ pub fn hiding(solids: &[Solid], eye: DVec3) -> Vec<Solid> {
 /// Whether none of these is before a point.
 pub fn is_free(hiding: &[Solid], eye: DVec3, p: DVec3) -> bool {
     !hiding.iter().any(|s| s.cuts(eye, p))
-}
-
-/// As [`World::seen`], of some targets before some solids: of balls, the middle and points of the
-/// surface are looked for, of boxes a lattice.
-pub fn seen(
-    solids: &[Solid],
-    targets: &[(ObjectId, Solid)],
-    eye: DVec3,
-    planes: &[(DVec3, f64)],
-) -> Vec<ObjectId> {
-    let hiding = hiding(solids, eye);
-    let sees = |p: DVec3| {
-        // Rays start at the near plane. The sides of a camera pass through its eye, but for the room
-        // by which they were moved.
-        let start = planes.iter().fold(0.0f64, |t, &(n, offset)| {
-            let (a, b) = (n.dot(eye) + offset + INWARDS, n.dot(p) + offset + INWARDS);
-            if a < -INWARDS { t.max(a / (a - b)) } else { t }
-        });
-        planes.iter().all(|&(n, offset)| n.dot(p) + offset >= 0.0)
-            && is_free(&hiding, eye + (p - eye) * start, p)
-    };
-    let points = |target: &Solid| match target {
-        Solid::Box(b) => points_of(b, 5).collect(),
-        Solid::Ball(s) => {
-            let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
-            let way = (eye - c).normalize_or(DVec3::X);
-            let side = way.any_orthonormal_vector();
-            let ways = [DVec3::ZERO, way, side, -side, way.cross(side), side.cross(way)];
-            ways.map(|d| c + d * r * 0.999).to_vec()
-        }
-    };
-    let found = targets.iter().filter(|(_, target)| points(target).into_iter().any(sees));
-    found.map(|(id, _)| *id).collect()
 }
 
 pub fn point() -> impl Strategy<Value = Vec3> {

@@ -3,6 +3,5 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod game;
 mod queries;
 mod sets;

@@ -109,10 +109,11 @@ fn an_occluder_that_nobody_reports_hides_nothing() {
         let ball = Sphere::new(Vec3::new(24.0, 16.0, 16.0), 0.5);
         let behind = scene.fixed(ball);
         let view = around(Vec3::new(4.5, 16.5, 16.5));
-        let mut query = query_by(method);
+        let (mut query, mut kept) = (query_by(method), KeptQuery::new());
         scene.begin_frame(0.0).unwrap();
         let pvs = query.run(&scene, &view);
         assert!(pvs.contains(mover) && !pvs.contains(behind), "{method:?}");
+        assert!(!kept.run(&scene, &view).contains(behind));
         scene.end_frame([query.pvs()]).unwrap();
         let opaque = scene.grid().cell_of(glam::DVec3::splat(14.5));
         assert!(scene.is_opaque(opaque));
@@ -121,6 +122,7 @@ fn an_occluder_that_nobody_reports_hides_nothing() {
         assert!(!query.pvs().is_valid_for(&scene, &view) && !scene.is_opaque(opaque));
         let pvs = query.run(&scene, &view);
         assert!(pvs.contains(mover) && pvs.contains(behind), "{method:?}");
+        assert!(kept.run(&scene, &view).contains(behind));
         // The report is late, but it comes.
         scene.update(mover, block(12.0), Some(block(12.0).into())).unwrap();
         let pvs = query.run(&scene, &view);

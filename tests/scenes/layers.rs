@@ -5,7 +5,7 @@ use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object};
 
-use crate::common::objects::{describe, lost, moved_by, object, shape};
+use crate::common::objects::{describe, lost, object, shape};
 use crate::common::*;
 
 const METHODS: [Method; 3] = [Method::Frustum, Method::cell(), Method::point()];
@@ -49,7 +49,7 @@ proptest! {
                 match change {
                     Change::Move(i, by) => {
                         let i = i % objects.len();
-                        objects[i].0.shape = moved_by(&objects[i].0.shape, *by);
+                        objects[i].0.shape = objects[i].0.shape.moved(*by);
                         scene.translate(ids[i], *by).unwrap();
                     }
                     Change::Layers(i, layers) => {

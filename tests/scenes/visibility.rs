@@ -4,10 +4,10 @@
 use casca::internals::SceneInternals;
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape};
 use casca_truth::oracle::{Oracle, OracleOptions};
 
-use crate::common::objects::{describe, lost, moved_by, object, shape, shapes_of};
+use crate::common::objects::{describe, lost, object, shape, shapes_of};
 use crate::common::*;
 
 const SIZE: f32 = 16.0;
@@ -105,7 +105,7 @@ proptest! {
         offset in prop_oneof![6 => Just(0.0f32), 1 => Just(4096.0f32), 1 => Just(-65536.0f32), 1 => Just(1e6f32)],
     ) {
         // Everything is shifted, so that coordinates are large; shapes keep what rounding leaves.
-        let shift = |o: &Object| Object { shape: moved_by(&o.shape, Vec3::splat(offset)), ..o.clone() };
+        let shift = |o: &Object| Object { shape: o.shape.moved(Vec3::splat(offset)), ..o.clone() };
         let corner = Vec3::splat(offset);
         let mut scene = Scene::new(cell).unwrap();
         let mut query = query_by(method);
@@ -125,8 +125,8 @@ proptest! {
                         objects.swap_remove(i % n);
                         scene.remove(ids.swap_remove(i % n)).unwrap();
                     }
-                    Change::Nudge(i, by) => objects[i % n].shape = moved_by(&objects[i % n].shape, *by),
-                    Change::Replace(i, s) => objects[i % n].shape = moved_by(s, corner),
+                    Change::Nudge(i, by) => objects[i % n].shape = objects[i % n].shape.moved(*by),
+                    Change::Replace(i, s) => objects[i % n].shape = s.moved(corner),
                 }
                 if let (Change::Nudge(i, _) | Change::Replace(i, _), true) = (change, n > 0) {
                     let (bounds, occluder) = shapes_of(&objects[i % n]);
@@ -148,105 +148,6 @@ proptest! {
             let pvs = query.run(&scene, &view);
             let lost = lost(&objects, &camera, number as u64, |i| pvs.contains(ids[i]));
             prop_assert!(lost.is_empty(), "frame {number}: {:?} of {:?}", lost[0], objects[lost[0].object]);
-            scene.end_frame([query.pvs()]).unwrap();
-        }
-    }
-
-    #[test]
-    fn nothing_visible_is_lost_along_parallel_rays(
-        objects in prop::collection::vec(object(shape(place())), 1..40),
-        cameras in prop::collection::vec(camera(), 1..4),
-        (width, height) in (0.5..30.0f32, 0.5..30.0f32),
-        method in methods(),
-    ) {
-        let mut scene = empty();
-        let ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
-        let mut query = query_by(method);
-        for camera in cameras {
-            let (w, h) = (width * 0.5, height * 0.5);
-            let camera = Camera { projection: directx::orthographic(-w, w, -h, h, 0.5, 80.0), ..camera };
-            let forward = -camera.view.row(2).truncate();
-            let pvs = query.run(&scene, &View::orthographic(forward, camera.view_projection()).unwrap());
-            let lost = lost(&objects, &camera, 1, |i| pvs.contains(ids[i]));
-            prop_assert!(lost.is_empty(), "{:?} of {:?}", lost[0], objects[lost[0].object]);
-        }
-    }
-
-    #[test]
-    fn nothing_visible_is_lost_in_any_direction(
-        objects in prop::collection::vec(object(shape(place())), 1..40),
-        eyes in prop::collection::vec(place(), 1..4),
-        method in methods(),
-    ) {
-        let mut scene = empty();
-        let ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
-        let oracle = Oracle::new(&objects, OracleOptions { width: 1, height: 1, ..OracleOptions::default() });
-        let mut query = query_by(method);
-        for eye in eyes {
-            let pvs = query.run(&scene, &around(eye));
-            let left: Vec<usize> = (0..ids.len()).filter(|&i| !pvs.contains(ids[i])).collect();
-            let report = oracle.rays().probe(&objects, eye.as_dvec3(), &left, 200, 1, |_| true);
-            prop_assert!(report.seen.is_empty(), "{:?} of {:?}", report.seen[0], objects[report.seen[0].object]);
-        }
-    }
-}
-
-/// A box turned by a rotation, and whether it occludes as a convex hull.
-fn turned() -> impl Strategy<Value = (Obb, bool)> {
-    let turn = prop_oneof![3 => rotation(), 1 => Just(Quat::IDENTITY)];
-    (place(), prop::array::uniform3(0.02..4.0f32), turn, any::<bool>())
-        .prop_map(|(center, half, turn, hull)| (Obb::new(center, Vec3::from_array(half), turn), hull))
-}
-
-fn corners_of(b: &Obb) -> Vec<Vec3> {
-    let sign = |i: usize, bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
-    (0..8).map(|i| b.center + b.rotation * (b.half * Vec3::new(sign(i, 0), sign(i, 1), sign(i, 2)))).collect()
-}
-
-/// The twelve triangles of a turned box, in world space.
-fn as_mesh(b: &Obb) -> Shape {
-    let mesh = Mesh { positions: corners_of(b), triangles: BOX_TRIANGLES.to_vec(), ..Mesh::default() };
-    Shape::Mesh { mesh: Arc::new(mesh), transform: Affine3A::IDENTITY }
-}
-
-proptest! {
-    #![proptest_config(cases(48))]
-
-    #[test]
-    fn turned_solids_lose_nothing(
-        boxes in prop::collection::vec((turned(), any::<bool>()), 1..30),
-        cameras in prop::collection::vec(camera(), 1..6),
-        method in methods(),
-    ) {
-        let mut scene = Scene::new(0.8).unwrap();
-        let mut objects = Vec::new();
-        let mut ids = Vec::new();
-        for ((b, hull), dynamic) in &boxes {
-            // Corners are rounded to single precision: the occluder inside them, the bounds
-            // outside.
-            let scaled = |by: f32| Obb { half: b.half * by, ..*b };
-            let bounds = scaled(1.0 + 1e-5);
-            let desc = if *dynamic { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
-            let inner = scaled(1.0 - 1e-5);
-            let convex = Convex::from_points(&corners_of(&inner));
-            let desc = match convex {
-                Ok(convex) if *hull => desc.occluder(Arc::new(convex)),
-                _ => desc.occluder(inner),
-            };
-            ids.push(scene.insert(desc).unwrap());
-            objects.push(Object {
-                name: String::new(),
-                shape: as_mesh(b),
-                motion: Motion::Static,
-                occludes: true,
-                tested: true,
-            });
-        }
-        let mut query = query_by(method);
-        for (number, camera) in cameras.iter().enumerate() {
-            let pvs = query.run(&scene, &View::perspective(camera.eye, camera.view_projection()).unwrap());
-            let lost = lost(&objects, camera, number as u64, |i| pvs.contains(ids[i]));
-            prop_assert!(lost.is_empty(), "frame {number}: {:?} of {:?}", lost[0], boxes[lost[0].object]);
             scene.end_frame([query.pvs()]).unwrap();
         }
     }

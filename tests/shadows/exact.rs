@@ -7,7 +7,6 @@ use casca_scenes::drive::Driver;
 use casca_scenes::world::{Camera, Motion, Object};
 use casca_truth::oracle::RayOracle;
 
-use crate::common::objects::moved_by;
 use crate::common::*;
 use crate::scenes::{SILENT, SPEED, object, place, way};
 
@@ -183,7 +182,7 @@ proptest! {
             if silent(o) { desc.reported_on_expiry() } else { desc }
         };
         let mut driver =
-            Driver::with(&objects, cell, adapt, |_| ()).unwrap();
+            Driver::with(&objects, cell, None, adapt, |_| ()).unwrap();
         let index: HashMap<ObjectId, usize> = (0..objects.len()).map(|i| (driver.id(i), i)).collect();
         let [mut query, mut sun] = methods.map(query_by);
         let (mut kept, mut kept_sun) = (KeptQuery::new(), sun.clone());
@@ -197,7 +196,7 @@ proptest! {
             let by = way.clamp_length_max(0.9) * SPEED * STEP as f32;
             let moving: Vec<usize> = (0..objects.len()).filter(|&i| objects[i].motion != Motion::Static).collect();
             for &i in &moving {
-                objects[i].shape = moved_by(&objects[i].shape, if i % 2 == 0 { by } else { -by });
+                objects[i].shape = objects[i].shape.moved(if i % 2 == 0 { by } else { -by });
             }
             let told: Vec<usize> =
                 moving.into_iter().filter(|i| !silent(&objects[*i]) || reported.contains(i)).collect();

@@ -3,7 +3,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod ball;
 mod eye;
 mod reach;
 mod sight;

@@ -79,7 +79,7 @@ fn scales(transform: &Affine3A) -> (f32, f32) {
 }
 
 impl Shaper {
-    fn new(cell: f32, objects: &[Object]) -> Self {
+    fn new(cell: f32, objects: &[Object], cache: Option<Arc<MeshCache>>) -> Self {
         let mut users: HashMap<*const Mesh, Users> = HashMap::new();
         for object in objects {
             if let Shape::Mesh { mesh, transform } = &object.shape {
@@ -89,7 +89,7 @@ impl Shaper {
             }
         }
         let how = MeshOptions::default().tolerance(cell * TOLERANCE);
-        Self { prepared: HashMap::new(), users, how, cache: None }
+        Self { prepared: HashMap::new(), users, how, cache }
     }
 
     /// Whether an object is an instance of its mesh.
@@ -227,44 +227,22 @@ impl Driver {
     /// # Errors
     /// As [`Scene::new`] and [`Scene::insert`].
     pub fn new(world: &World, cell: f32, progress: impl FnMut(usize)) -> Result<Self, Error> {
-        Self::with(&world.objects, cell, |_, desc| desc, progress)
+        Self::with(&world.objects, cell, None, |_, desc| desc, progress)
     }
 
-    /// As [`Driver::new`]; meshes are read from a cache if they are in it, and else written to it.
-    ///
-    /// # Errors
-    /// As [`Driver::new`].
-    pub fn cached(
-        world: &World,
-        cell: f32,
-        cache: Option<Arc<MeshCache>>,
-        progress: impl FnMut(usize),
-    ) -> Result<Self, Error> {
-        let shaper = Shaper { cache, ..Shaper::new(cell, &world.objects) };
-        Self::insert(&world.objects, shaper, cell, |_, desc| desc, progress)
-    }
-
-    /// Inserts objects with what `adapt` makes of their descriptions; `progress` as above.
+    /// Inserts objects with what `adapt` makes of their descriptions; `progress` as above. Meshes
+    /// are read from a cache if they are in it, and else written to it.
     ///
     /// # Errors
     /// As [`Scene::new`] and [`Scene::insert`].
     pub fn with(
         objects: &[Object],
         cell: f32,
-        adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
-        progress: impl FnMut(usize),
-    ) -> Result<Self, Error> {
-        let shaper = Shaper::new(cell, objects);
-        Self::insert(objects, shaper, cell, adapt, progress)
-    }
-
-    fn insert(
-        objects: &[Object],
-        mut shaper: Shaper,
-        cell: f32,
+        cache: Option<Arc<MeshCache>>,
         adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
         mut progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
+        let mut shaper = Shaper::new(cell, objects, cache);
         let mut scene = Scene::new(cell)?;
         scene.reserve(objects.len());
         let mut ids = Vec::with_capacity(objects.len());

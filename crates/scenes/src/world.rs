@@ -231,6 +231,18 @@ impl Shape {
             Self::Mesh { mesh, transform } => mesh.bounds(transform),
         }
     }
+
+    /// The shape moved by an offset; its coordinates are rounded.
+    pub fn moved(&self, by: Vec3) -> Self {
+        match self {
+            Self::Sphere { center, radius } => Self::Sphere { center: *center + by, radius: *radius },
+            Self::Box { min, max } => Self::Box { min: *min + by, max: *max + by },
+            Self::Mesh { mesh, transform } => {
+                let transform = Affine3A::from_translation(by) * *transform;
+                Self::Mesh { mesh: mesh.clone(), transform }
+            }
+        }
+    }
 }
 
 /// How an object moves.

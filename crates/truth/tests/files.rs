@@ -9,7 +9,11 @@ use casca_scenes::import;
 use casca_scenes::world::{Camera, Mesh, Shape, World};
 use casca_truth::oracle::{Oracle, OracleOptions, Seen};
 use glam::Vec3;
+use parts::{bytes_of, glb};
 use serde_json::{Value, json};
+
+#[path = "../../scenes/src/import/tests/parts.rs"]
+mod parts;
 
 /// How far lanes are apart, in metres: more than one sees of the next.
 const APART: f32 = 60.0;
@@ -114,24 +118,6 @@ fn of_nodes() -> Vec<Lane> {
     ]
 }
 
-fn glb(json: &Value, bin: &[u8]) -> Vec<u8> {
-    let mut json = json.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut file = b"glTF".to_vec();
-    for word in [2, 28 + json.len() + bin.len(), json.len(), 0x4e4f_534a] {
-        file.extend((word as u32).to_le_bytes());
-    }
-    file.extend(&json);
-    file.extend((bin.len() as u32).to_le_bytes());
-    file.extend(0x004e_4942_u32.to_le_bytes());
-    file.extend(bin);
-    file
-}
-
-fn floats(values: &[f32]) -> Vec<u8> {
-    values.iter().flat_map(|v| v.to_le_bytes()).collect()
-}
-
 /// A file in the making.
 #[derive(Default)]
 struct File {
@@ -161,16 +147,16 @@ impl File {
         let cube = Mesh::cuboid(Vec3::splat(-0.3), Vec3::splat(0.3));
         let corners: Vec<f32> = cube.positions.iter().flat_map(|p| p.to_array()).collect();
         let triangles: Vec<u8> = cube.triangles.iter().flatten().map(|&v| v as u8).collect();
-        let sheet = floats(&[-3.0, -3.0, 0.0, 3.0, -3.0, 0.0, 3.0, 3.0, 0.0, -3.0, 3.0, 0.0]);
+        let sheet = bytes_of(&[-3.0, -3.0, 0.0, 3.0, -3.0, 0.0, 3.0, 3.0, 0.0, -3.0, 3.0, 0.0]);
         file.put(&sheet, 5126, "VEC3", 4);
         file.put(&[0, 1, 2, 0, 2, 3], 5121, "SCALAR", 6);
-        file.put(&floats(&corners), 5126, "VEC3", 8);
+        file.put(&bytes_of(&corners), 5126, "VEC3", 8);
         file.put(&triangles, 5121, "SCALAR", 36);
         file.put(&[0, 1, 2], 5121, "SCALAR", 3);
         file.put(&[0, 2, 3], 5121, "SCALAR", 3);
         file.put(&[255, 255, 255, 0].repeat(4), 5121, "VEC4", 4);
         file.accessors[6]["normalized"] = json!(true);
-        file.put(&floats(&[0.0, 10.0]), 5126, "SCALAR", 2);
+        file.put(&bytes_of(&[0.0, 10.0]), 5126, "SCALAR", 2);
         file.meshes.push(json!({ "primitives": [{ "attributes": { "POSITION": 2 }, "indices": 3 }] }));
         file
     }
@@ -210,7 +196,7 @@ impl File {
         node["name"] = json!(lane.name);
         node["translation"] = json!([x, 0, 0]);
         if node["extras"]["moves"] == true {
-            let output = self.put(&floats(&[x, 0.0, 0.0, x + 1.0, 0.0, 0.0]), 5126, "VEC3", 2);
+            let output = self.put(&bytes_of(&[x, 0.0, 0.0, x + 1.0, 0.0, 0.0]), 5126, "VEC3", 2);
             let target = json!({ "node": self.nodes.len(), "path": "translation" });
             self.channels.push(json!({ "sampler": self.samplers.len(), "target": target }));
             self.samplers.push(json!({ "input": 7, "output": output }));
@@ -228,7 +214,7 @@ impl File {
         if !self.channels.is_empty() {
             json["animations"] = json!([{ "channels": self.channels, "samplers": self.samplers }]);
         }
-        glb(&json, &self.bin)
+        glb(&json.to_string(), &self.bin)
     }
 }
 

@@ -61,7 +61,7 @@ impl Level {
         let numbers: Vec<usize> = (0..all.len()).filter(|&i| is_static(&all[i])).collect();
         let objects: Vec<Object> = numbers.iter().map(|&i| all[i].clone()).collect();
         let cell = cell.unwrap_or(grid.cell);
-        let driver = Driver::with(&objects, cell, |_, desc| desc, |_| ())?;
+        let driver = Driver::with(&objects, cell, None, |_, desc| desc, |_| ())?;
         let mut bounds = vec![None; all.len()];
         for (&number, object) in numbers.iter().zip(&objects) {
             bounds[number] = object.tested.then(|| bounds_of(&object.shape));

@@ -71,7 +71,6 @@ fn files_that_cannot_be_read_are_refused_with_what_to_do() {
     let folder = folder.path();
     for (name, advice) in [
         ("KHR_draco_mesh_compression", "export the level without that, or decompress it"),
-        ("EXT_meshopt_compression", "export the level without that, or decompress it"),
         ("VENDOR_walls", "export the level without them"),
     ] {
         let extensions = format!(r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"],"#);

@@ -81,7 +81,7 @@ fn with_share(world: &World, filled: &HashMap<IVec3, u64>, share: f32) -> Result
         Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: false }
     });
     let objects: Vec<Object> = world.objects.iter().cloned().chain(boxes).collect();
-    let driver = Driver::with(&objects, world.grid.cell, |_, desc| desc, |_| ())?;
+    let driver = Driver::with(&objects, world.grid.cell, None, |_, desc| desc, |_| ())?;
     Ok((!cells.is_empty()).then_some(driver))
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use casca::{Error, KeptOptions, KeptQuery, Method, Query};
+use casca::{Error, KeptJob, KeptOptions, KeptQuery, KeptResult, Method, Pvs, Query};
 
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::ThreadTime;
@@ -28,6 +28,9 @@ pub struct FrameInput<'a> {
 enum Engine {
     Casca(Box<Query>),
     Kept(Box<KeptQuery>),
+    /// The same, with results that another thread finds: one job after the other, each of which is
+    /// done when the next frame begins.
+    Aside(Box<KeptQuery>, Option<Box<KeptJob>>, Option<Box<KeptResult>>),
     Hzb(Box<Hzb>),
 }
 
@@ -63,16 +66,26 @@ impl Contender {
         Ok(Self::new("kept", setting.to_owned(), Engine::Kept(query)))
     }
 
+    /// The same, where another thread finds new results before a frame needs them.
+    ///
+    /// # Errors
+    /// As [`KeptQuery::with_options`].
+    pub fn aside(setting: &str, options: KeptOptions) -> Result<Self, Error> {
+        let query = Box::new(KeptQuery::with_options(options)?);
+        Ok(Self::new("kept", setting.to_owned(), Engine::Aside(query, None, None)))
+    }
+
     /// A rasterised depth buffer of `width` by `height` pixels.
     pub fn hzb(width: usize, height: usize) -> Self {
         Self::new("hzb", format!("{width}x{height}"), Engine::Hzb(Box::new(Hzb::new(width, height))))
     }
 
-    /// The query, if the method is the library's.
-    pub fn query(&self) -> Option<&Query> {
+    /// The result of the last frame, if the method is the library's.
+    pub fn pvs(&self) -> Option<&Pvs> {
         match &self.engine {
-            Engine::Casca(query) => Some(query),
-            _ => None,
+            Engine::Casca(query) => Some(query.pvs()),
+            Engine::Kept(query) | Engine::Aside(query, ..) => Some(query.pvs()),
+            Engine::Hzb(_) => None,
         }
     }
 
@@ -83,27 +96,33 @@ impl Contender {
     pub fn run(&mut self, frame: &FrameInput) -> Result<Duration, Error> {
         let FrameInput { driver, objects, in_frustum, camera } = *frame;
         let view = view_of(camera)?;
+        let scene = &driver.scene;
+        let mut visible = Vec::new();
         let start = ThreadTime::now();
-        let visible = match &mut self.engine {
-            Engine::Casca(query) => {
-                query.run(&driver.scene, &view);
-                None
+        match &mut self.engine {
+            Engine::Casca(query) => _ = query.run(scene, &view),
+            Engine::Kept(query) => _ = query.run(scene, &view),
+            Engine::Aside(query, job, found) => {
+                if let Some(found) = found.take() {
+                    query.install(*found, scene);
+                }
+                query.run(scene, &view);
+                *job = Some(Box::new(query.prepare(scene, &view)));
             }
-            Engine::Kept(query) => {
-                query.run(&driver.scene, &view);
-                None
-            }
-            Engine::Hzb(hzb) => Some(hzb.frame(objects, in_frustum, camera)),
-        };
+            Engine::Hzb(hzb) => visible = hzb.frame(objects, in_frustum, camera),
+        }
         let time = start.elapsed();
-        self.found = match (&self.engine, visible) {
-            (Engine::Casca(query), _) => driver.found(query.pvs()),
-            (Engine::Kept(query), _) => driver.found(query.pvs()),
-            (_, visible) => visible.unwrap_or_default(),
-        };
+        self.found = self.pvs().map_or(visible, |pvs| driver.found(pvs));
         self.found.retain(|&i| objects[i].tested);
         self.found.sort_unstable();
         Ok(time)
+    }
+
+    /// Does the work of the other thread until the next frame; its time is not measured.
+    pub fn work_aside(&mut self) {
+        if let Engine::Aside(_, job, found) = &mut self.engine {
+            *found = job.take().map(|job| Box::new(job.run()));
+        }
     }
 
     /// Runs a frame this many times, at least once, and returns the least milliseconds.

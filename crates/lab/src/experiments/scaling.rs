@@ -13,7 +13,7 @@ use casca_scenes::drive::{Driver, fitted_cell, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::{timed, timed_by_wall};
 use casca_scenes::random::generator;
-use casca_scenes::world::{Mesh, Motion, Object, Shape, World};
+use casca_scenes::world::{Mesh, Motion, Object, World};
 
 /// What one size costs.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +46,7 @@ fn measure(world: &World, views: usize, repeats: usize) -> Result<Row, LabError>
     for i in 0..views {
         let camera = world.camera(i * world.frames / views, ASPECT);
         let pvs = frustum.run(&driver.scene, &view_of(&camera)?);
-        let in_frustum: Vec<usize> = (0..world.objects.len()).filter(|&o| driver.sees(pvs, o)).collect();
+        let in_frustum = driver.found(pvs);
         let input =
             FrameInput { driver: &driver, objects: &world.objects, in_frustum: &in_frustum, camera: &camera };
         let mut least = [f64::INFINITY; 2];
@@ -145,11 +145,7 @@ fn large_city(lab: &Lab, side: i32) -> World {
     let mut city = build(SceneKind::City, &SceneOptions { seed: lab.seed, ..SceneOptions::default() });
     let edge = (city.grid.max - city.grid.min) * Vec3::new(1.0, 0.0, 1.0);
     let moved = |object: &Object, by: Vec3| {
-        let shape = match object.shape {
-            Shape::Box { min, max } => Shape::Box { min: min + by, max: max + by },
-            Shape::Sphere { center, radius } => Shape::Sphere { center: center + by, radius },
-            Shape::Mesh { .. } => object.shape.clone(),
-        };
+        let shape = object.shape.moved(by);
         Object { name: String::new(), shape, motion: Motion::Static, ..*object }
     };
     let tile = std::mem::take(&mut city.objects);

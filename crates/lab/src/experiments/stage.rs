@@ -48,7 +48,7 @@ impl Stage {
         let unreported = |o: &Object| telling == Telling::OnExpiry && o.motion != Motion::Static;
         let adapt =
             |o: &Object, desc: ObjectDesc| if unreported(o) { desc.reported_on_expiry() } else { desc };
-        let mut driver = Driver::with(&world.objects, cell, adapt, |_| ())?;
+        let mut driver = Driver::with(&world.objects, cell, None, adapt, |_| ())?;
         let mut objects = Vec::new();
         for i in 0..world.objects.len() {
             let slot = driver.id(i).index();

@@ -30,7 +30,7 @@ pub fn run(options: &Options) -> Result<Outcome, Failure> {
     let counts: Vec<_> = frames.iter().map(|frame| frame.counts).collect();
     let title = format!("{}: what the observer can see", session.world.name);
     chart(&options.out.join("walk.svg"), &title, &counts)?;
-    let summary = Summary::new(options, &session, frames);
+    let summary = Summary { options, session: &session, frames: &frames };
     summary.print();
     Ok(summary.outcome())
 }

@@ -120,7 +120,8 @@ fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
     let cell = world.grid.cell;
     let cache = options.cached.open()?.map(Arc::new);
     let bar = bar(options.common.quiet, world.objects.len(), "preparing", "object");
-    let driver = Driver::cached(world, cell, cache, |done| bar.set_position(done as u64))?;
+    let driver =
+        Driver::with(&world.objects, cell, cache, |_, desc| desc, |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     Ok(driver)
 }

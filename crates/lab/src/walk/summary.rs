@@ -1,6 +1,5 @@
 //! The results of a walk as a table.
 
-use std::path::PathBuf;
 use std::time::Duration;
 
 use casca_tools::command_line::{Outcome, say};
@@ -10,25 +9,10 @@ use super::session::{Frame, Session};
 use crate::pictures::FrameCounts;
 
 /// The results of a walk.
-pub struct Summary {
-    scene: String,
-    method: &'static str,
-    cell: f64,
-    /// Objects that are tested.
-    objects: usize,
-    setup: Duration,
-    grid_bytes: usize,
-    out: PathBuf,
-    frames: Vec<Frame>,
-    mean_frustum: f64,
-    mean_pvs: f64,
-    /// Unknown without an item buffer: rays look only at objects that the PVS leaves out.
-    mean_exact: Option<f64>,
-}
-
-fn mean(values: impl ExactSizeIterator<Item = usize>) -> f64 {
-    let n = values.len().max(1) as f64;
-    values.map(|value| value as f64).sum::<f64>() / n
+pub struct Summary<'a> {
+    pub options: &'a Options,
+    pub session: &'a Session<'a>,
+    pub frames: &'a [Frame],
 }
 
 fn micros(time: Duration) -> f64 {
@@ -45,23 +29,16 @@ fn percentile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     }
 }
 
-impl Summary {
-    pub fn new(options: &Options, session: &Session<'_>, frames: Vec<Frame>) -> Self {
-        let mean_of = |count: fn(&FrameCounts) -> usize| mean(frames.iter().map(|f| count(&f.counts)));
-        let (scene, world) = (&session.driver.scene, &session.world);
-        Self {
-            scene: world.name.clone(),
-            method: options.query_method().name(),
-            cell: scene.grid().cell_size(),
-            objects: world.objects.iter().filter(|o| o.tested).count(),
-            setup: session.setup,
-            grid_bytes: scene.memory().grid(),
-            out: options.out.clone(),
-            mean_frustum: mean_of(|c| c.frustum),
-            mean_pvs: mean_of(|c| c.pvs),
-            mean_exact: (options.width > 0).then(|| mean_of(|c| c.exact)),
-            frames,
-        }
+impl Summary<'_> {
+    /// The mean of a count over the frames.
+    fn mean(&self, count: fn(&FrameCounts) -> usize) -> f64 {
+        let sum: usize = self.frames.iter().map(|f| count(&f.counts)).sum();
+        sum as f64 / self.frames.len().max(1) as f64
+    }
+
+    /// Objects that are tested.
+    fn objects(&self) -> usize {
+        self.session.world.objects.iter().filter(|o| o.tested).count()
     }
 
     /// Rays and pixels that were looked at.
@@ -83,7 +60,7 @@ impl Summary {
         if self.losses() > 0 {
             return Outcome::Lost;
         }
-        if self.objects == 0 || self.proofs() == 0 {
+        if self.objects() == 0 || self.proofs() == 0 {
             eprintln!("nothing was checked: no ray was shot at anything that could be lost");
             return Outcome::NothingChecked;
         }
@@ -94,16 +71,20 @@ impl Summary {
     pub fn print(&self) {
         let row = |name: &str, value: String| say(format_args!("{name:<34}{value:>16}"));
         let known = |value: Option<String>| value.unwrap_or_else(|| "unknown".to_owned());
+        // Unknown without an item buffer: rays look only at objects that the PVS leaves out.
+        let (pvs, exact) = (self.mean(|c| c.pvs), self.mean(|c| c.exact));
+        let exact = (self.options.width > 0).then_some(exact);
+        let scene = &self.session.driver.scene;
         say("");
-        row("scene", self.scene.clone());
-        row("method", self.method.to_owned());
-        row("edge of a cell", format!("{} m", self.cell));
+        row("scene", self.session.world.name.clone());
+        row("method", self.options.query_method().name().to_owned());
+        row("edge of a cell", format!("{} m", scene.grid().cell_size()));
         row("frames", self.frames.len().to_string());
-        row("objects", self.objects.to_string());
-        row("in the frustum (mean)", format!("{:.1}", self.mean_frustum));
-        row("PVS (mean)", format!("{:.1}", self.mean_pvs));
-        row("exactly visible (mean)", known(self.mean_exact.map(|n| format!("{n:.1}"))));
-        let ratio = self.mean_exact.filter(|exact| *exact > 0.0).map(|exact| self.mean_pvs / exact);
+        row("objects", self.objects().to_string());
+        row("in the frustum (mean)", format!("{:.1}", self.mean(|c| c.frustum)));
+        row("PVS (mean)", format!("{pvs:.1}"));
+        row("exactly visible (mean)", known(exact.map(|n| format!("{n:.1}"))));
+        let ratio = exact.filter(|exact| *exact > 0.0).map(|exact| pvs / exact);
         row("PVS / exactly visible", known(ratio.map(|n| format!("{n:.3}"))));
         row("false negatives", self.losses().to_string());
         row("rays of proof", format!("{:.1} M", self.proofs() as f64 / 1e6));
@@ -116,8 +97,8 @@ impl Summary {
         }
         let update = percentile(self.frames.iter().map(|f| micros(f.update)), 0.5);
         row("scene update, median", format!("{update:.0} us"));
-        row("preparation and setup", format!("{:.0} ms", self.setup.as_secs_f64() * 1e3));
-        row("grid memory", format!("{:.2} MiB", self.grid_bytes as f64 / (1 << 20) as f64));
-        say(format_args!("\npictures: walk.svg and frame.png in {}", self.out.display()));
+        row("preparation and setup", format!("{:.0} ms", self.session.setup.as_secs_f64() * 1e3));
+        row("grid memory", format!("{:.2} MiB", scene.memory().grid() as f64 / (1 << 20) as f64));
+        say(format_args!("\npictures: walk.svg and frame.png in {}", self.options.out.display()));
     }
 }

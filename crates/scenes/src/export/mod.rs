@@ -13,6 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec3, Mat4, Quat, Vec3};
+use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
 use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, Sides, World};
@@ -111,6 +112,7 @@ const U32: u32 = 5125;
 const F32: u32 = 5126;
 
 /// A file in the making: the lists of its document, and its bytes.
+#[derive(Default)]
 struct Writer {
     accessors: Vec<Value>,
     views: Vec<Value>,
@@ -137,21 +139,8 @@ fn push(list: &mut Vec<Value>, item: Value) -> usize {
 
 impl Writer {
     fn new(frames: usize) -> Self {
-        let mut writer = Self {
-            accessors: Vec::new(),
-            views: Vec::new(),
-            nodes: Vec::new(),
-            materials: Vec::new(),
-            made: Vec::new(),
-            channels: Vec::new(),
-            samplers: Vec::new(),
-            lens: Value::Null,
-            bytes: Vec::new(),
-            times: 0,
-            cube: Arc::new(Mesh::cuboid(Vec3::ZERO, Vec3::ONE)),
-            ball: Arc::new(Mesh::ball(CUTS)),
-            meshes: HashMap::new(),
-        };
+        let cube = Arc::new(Mesh::cuboid(Vec3::ZERO, Vec3::ONE));
+        let mut writer = Self { cube, ball: Arc::new(Mesh::ball(CUTS)), ..Self::default() };
         let times: Vec<f32> = (0..frames).map(|frame| (frame as f64 * FRAME_SECONDS) as f32).collect();
         writer.times = writer.floats("SCALAR", &times);
         writer
@@ -298,21 +287,12 @@ impl Writer {
         if let Some(members) = document.as_object_mut() {
             members.retain(|_, list| list.as_array().is_none_or(|list| !list.is_empty()));
         }
-        let mut json = document.to_string().into_bytes();
-        json.resize(json.len().next_multiple_of(4), b' ');
-        // A header of 12 bytes, and two chunks with headers of 8.
-        let length = 28 + json.len() + self.bytes.len();
-        u32::try_from(length).map_err(|_| ExportError::TooLarge)?;
-        let mut file = Vec::with_capacity(length);
-        file.extend(b"glTF");
-        for word in [2, length, json.len()] {
-            file.extend((word as u32).to_le_bytes());
-        }
-        file.extend(b"JSON");
-        file.extend(json);
-        file.extend((self.bytes.len() as u32).to_le_bytes());
-        file.extend(b"BIN\0");
-        file.extend(self.bytes);
-        Ok(file)
+        // The length is found as the file is written.
+        let header = Header { magic: *b"glTF", version: 2, length: 0 };
+        let json = document.to_string().into_bytes().into();
+        let file = Glb { header, json, bin: Some(self.bytes.into()) };
+        let bytes = file.to_vec().map_err(|_| ExportError::TooLarge)?;
+        u32::try_from(bytes.len()).map_err(|_| ExportError::TooLarge)?;
+        Ok(bytes)
     }
 }

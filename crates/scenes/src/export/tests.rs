@@ -4,15 +4,9 @@ use super::*;
 use crate::generated::{self, SceneKind, SceneOptions};
 use crate::import;
 
-/// Writes a scene to a file in a folder for one test, and reads it back.
-fn read_back(world: &mut World, test: &str) -> World {
-    let folder = std::env::temp_dir().join(format!("casca-export-{}-{test}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let file = folder.join("level.glb");
-    save(world, &file).unwrap();
-    let read = import::load(&file).unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
-    read
+/// Writes a scene, and reads it back.
+fn read_back(world: &mut World) -> World {
+    import::read("level", &glb(world).unwrap(), None).unwrap()
 }
 
 /// A ball of triangles stays inside its sphere, by at most this share of the radius.
@@ -35,7 +29,7 @@ fn scenes_are_read_back_as_they_were_in_every_frame() {
     for kind in [SceneKind::Rooms, SceneKind::City, SceneKind::Forest] {
         let options = SceneOptions { frames: 12, scale: 0.3, ..SceneOptions::default() };
         let mut world = generated::build(kind, &options);
-        let mut read = read_back(&mut world, "frames");
+        let mut read = read_back(&mut world);
         assert_eq!((read.frames, read.objects.len()), (world.frames, world.objects.len()));
         for frame in 0..world.frames {
             world.set_frame(frame);
@@ -59,7 +53,7 @@ fn meshes_and_roles_are_written_and_moving_meshes_refused() {
     world.objects[0].shape = Shape::Mesh { mesh: mesh.clone(), transform };
     world.objects[0].occludes = false;
     world.objects[1].tested = false;
-    let read = read_back(&mut world, "roles");
+    let read = read_back(&mut world);
     for (a, b) in world.objects.iter().zip(&read.objects).take(2) {
         assert!(same(a, b), "{a:?} was read as {b:?}");
     }
@@ -96,7 +90,7 @@ fn what_hides_and_from_where_is_read_back() {
         object.shape = Shape::Mesh { mesh: mesh.into(), transform: Affine3A::IDENTITY };
         (object.occludes, object.motion) = (i < 2, Motion::Static);
     }
-    let read = read_back(&mut world, "sides");
+    let read = read_back(&mut world);
     for (written, read) in world.objects.iter().zip(&read.objects).take(3) {
         let (Shape::Mesh { mesh: a, .. }, Shape::Mesh { mesh: b, .. }) = (&written.shape, &read.shape) else {
             panic!("a mesh")

@@ -73,15 +73,7 @@ impl Moving {
     }
 
     pub(super) fn shape(&self, t: f32) -> Shape {
-        moved(&self.rest, self.way.offset(t))
-    }
-}
-
-fn moved(shape: &Shape, by: Vec3) -> Shape {
-    match shape {
-        Shape::Sphere { center, radius } => Shape::Sphere { center: *center + by, radius: *radius },
-        Shape::Box { min, max } => Shape::Box { min: *min + by, max: *max + by },
-        mesh => mesh.clone(),
+        self.rest.moved(self.way.offset(t))
     }
 }
 

@@ -3,11 +3,6 @@ use glam::Vec3;
 use super::*;
 use crate::world::{FRAME_SECONDS, Motion, Shape};
 
-fn middle(shape: &Shape) -> Vec3 {
-    let (lo, hi) = shape.bounds();
-    (lo + hi) * 0.5
-}
-
 fn holds(shape: &Shape, p: Vec3) -> bool {
     match shape {
         Shape::Sphere { center, radius } => center.distance(p) <= *radius,
@@ -40,7 +35,8 @@ fn scenes_keep_to_their_grid_and_speeds_and_the_eye_is_free() {
             for o in world.objects.iter().filter(|o| o.occludes) {
                 assert!(!holds(&o.shape, eye), "{} frame {frame}: eye {eye} in {o:?}", world.name);
             }
-            let middles: Vec<Vec3> = moved.iter().map(|&i| middle(&world.objects[i].shape)).collect();
+            let bounds = moved.iter().map(|&i| world.objects[i].shape.bounds());
+            let middles: Vec<Vec3> = bounds.map(|(lo, hi)| (lo + hi) * 0.5).collect();
             if let Some((before, old)) = last {
                 let seconds = (frame - before) as f32 * FRAME_SECONDS as f32;
                 for ((a, b), &i) in old.iter().zip(&middles).zip(&moved) {

@@ -7,6 +7,7 @@ use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec2, Vec3};
 
 use super::motion::{Moving, Path, Way};
+use super::parts::object;
 use crate::random::Dice;
 use crate::world::{Animation, Camera, Motion, Object, Shape, World};
 
@@ -121,13 +122,8 @@ fn movers(world: &mut World, path: &Path, unit: f32, options: &WalkOptions) -> V
         let free = |p: &Vec3| eyes.iter().all(|e| e.distance(*p) > 2.0 * radius + reach);
         let place = (0..TRIES).map(|_| dice.point(lo.min(hi), hi.max(lo))).find(free);
         let Some(center) = place else { continue };
-        world.objects.push(Object {
-            name: "mover".to_owned(),
-            shape: Shape::Sphere { center, radius },
-            motion: Motion::Static,
-            occludes: i % 2 == 0,
-            tested: true,
-        });
+        let mover = object("mover", Shape::Sphere { center, radius });
+        world.objects.push(Object { occludes: i % 2 == 0, ..mover });
         movers.push(Moving::last(&mut world.objects, swing));
     }
     movers

@@ -4,6 +4,7 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
+use glam::Vec3;
 use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, buffer::View};
@@ -42,10 +43,12 @@ pub struct Buffers {
 }
 
 impl Buffers {
-    /// Those of a file, each with its bytes.
-    pub fn new(bytes: Vec<Rc<Vec<u8>>>) -> Self {
+    /// Those of a file, each with its bytes; some of these, as many as given, were packed, and are
+    /// read no more than once.
+    pub(super) fn new(bytes: Vec<Rc<Vec<u8>>>, unpacked: usize) -> Self {
         let all = Self { bytes, left: Cell::new(FREE_ELEMENTS) };
-        all.left.set(all.bytes().saturating_mul(ELEMENTS_OF_A_BYTE).saturating_add(FREE_ELEMENTS));
+        let held = all.bytes().saturating_sub(unpacked).saturating_mul(ELEMENTS_OF_A_BYTE);
+        all.left.set(held.saturating_add(unpacked).saturating_add(FREE_ELEMENTS));
         all
     }
 
@@ -90,6 +93,16 @@ impl Buffers {
             let mut components = bytes.chunks_exact(size).map(|c| component(data_type, normalized, c));
             std::array::from_fn(|_| components.next().unwrap_or(0.0))
         })
+    }
+
+    /// Reads vectors that must be finite.
+    pub(super) fn vectors(&self, accessor: &Accessor, what: &'static str) -> Result<Vec<Vec3>, Trouble> {
+        let vectors = self.floats(accessor, what, Components::Floats)?;
+        let vectors: Vec<Vec3> = vectors.into_iter().map(Vec3::from_array).collect();
+        match vectors.iter().all(|v| v.is_finite()) {
+            true => Ok(vectors),
+            false => Err(unfit(accessor, what, "not finite")),
+        }
     }
 
     /// Reads the indices of a primitive.

@@ -28,17 +28,13 @@ pub fn animate(document: &gltf::Document, buffers: &Buffers, nodes: &mut Nodes) 
             if node.matrix.is_some() {
                 return Err(wrong(&target.node(), "is animated, but given as a matrix"));
             }
-            let keys = keys_of(buffers, &channel)?;
             let tracks = &mut node.tracks;
-            let end = times_end(&keys);
-            let new = match keys {
+            let end = match keys_of(buffers, &channel)? {
                 Keys::Rotation(track) => put(&mut tracks.rotation, track, |q| q.as_dquat()),
                 Keys::Translation(track) => put(&mut tracks.translation, track, |v| v.as_dvec3()),
                 Keys::Scale(track) => put(&mut tracks.scale, track, |v| v.as_dvec3()),
             };
-            if new {
-                clip = clip.max(end);
-            }
+            clip = clip.max(end);
             node.moves = true;
         }
     }
@@ -57,14 +53,6 @@ pub enum Keys {
     Scale(Track<Vec3>),
 }
 
-fn times_end(keys: &Keys) -> f32 {
-    let times = match keys {
-        Keys::Translation(track) | Keys::Scale(track) => &track.times,
-        Keys::Rotation(track) => &track.times,
-    };
-    times.last().copied().unwrap_or(0.0)
-}
-
 /// Reads the keys of a channel, which moves, turns or scales its node.
 pub fn keys_of(buffers: &Buffers, channel: &gltf::animation::Channel) -> Result<Keys, Trouble> {
     let sampler = channel.sampler();
@@ -80,19 +68,20 @@ pub fn keys_of(buffers: &Buffers, channel: &gltf::animation::Channel) -> Result<
             Keys::Rotation(Track { times, values, interpolation })
         }
         Property::Translation => {
-            Keys::Translation(Track { times, values: vectors_of(buffers, &output)?, interpolation })
+            Keys::Translation(Track { times, values: buffers.vectors(&output, VALUES)?, interpolation })
         }
-        _ => Keys::Scale(Track { times, values: vectors_of(buffers, &output)?, interpolation }),
+        _ => Keys::Scale(Track { times, values: buffers.vectors(&output, VALUES)?, interpolation }),
     })
 }
 
-/// Sets what is not yet set; says whether it was not.
-fn put<T, U>(place: &mut Option<Track<U>>, track: Track<T>, exact: impl Fn(T) -> U) -> bool {
-    let new = place.is_none();
-    if new {
-        *place = Some(track.map(exact));
+/// Sets what is not yet set, and gives the time of its last key; 0 if it was set.
+fn put<T, U>(place: &mut Option<Track<U>>, track: Track<T>, exact: impl Fn(T) -> U) -> f32 {
+    if place.is_some() {
+        return 0.0;
     }
-    new
+    let end = track.times.last().copied().unwrap_or(0.0);
+    *place = Some(track.map(exact));
+    end
 }
 
 fn times_of(buffers: &Buffers, accessor: &gltf::Accessor) -> Result<Vec<f32>, Trouble> {
@@ -103,15 +92,6 @@ fn times_of(buffers: &Buffers, accessor: &gltf::Accessor) -> Result<Vec<f32>, Tr
         return Err(unfit(accessor, what, "not finite, or not in ascending order"));
     }
     Ok(times)
-}
-
-fn vectors_of(buffers: &Buffers, accessor: &gltf::Accessor) -> Result<Vec<Vec3>, Trouble> {
-    let values = buffers.floats(accessor, VALUES, Components::Floats)?;
-    let values: Vec<Vec3> = values.into_iter().map(Vec3::from_array).collect();
-    if values.iter().any(|v| !v.is_finite()) {
-        return Err(unfit(accessor, VALUES, "not finite"));
-    }
-    Ok(values)
 }
 
 fn rotations_of(

@@ -1,6 +1,6 @@
 //! The bytes of buffers: from the binary chunk, from data URIs and from other files.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
@@ -11,16 +11,20 @@ use gltf::buffer::Source;
 use percent_encoding::percent_decode_str;
 
 use super::error::Trouble;
+use super::packed::packed;
 
 /// Files that were read, by their paths without detours: many buffers may name the same.
 pub type Known = HashMap<PathBuf, Rc<Vec<u8>>>;
 
-/// Reads all buffers; each holds at least as many bytes as the file says.
+/// Reads all buffers; each holds at least as many bytes as the file says. `None` is one that cannot
+/// be had, but that packed views fill.
 pub fn buffers_of(
     document: &gltf::Document,
     mut blob: Option<Vec<u8>>,
     folder: Option<&Path>,
-) -> Result<Vec<Rc<Vec<u8>>>, Trouble> {
+) -> Result<Vec<Option<Rc<Vec<u8>>>>, Trouble> {
+    let filled = document.views().filter(|view| packed(view).is_some()).map(|view| view.buffer().index());
+    let filled: HashSet<usize> = filled.collect();
     let mut buffers = Vec::new();
     let mut known = Known::new();
     let most = document.buffers().map(|buffer| buffer.length()).max().unwrap_or(0);
@@ -35,11 +39,18 @@ pub fn buffers_of(
                 _ => beside(folder, uri, most, &mut known),
             },
         };
-        let data = data.map_err(|why| Trouble::Buffer { buffer: index, why })?;
+        let data = match data {
+            Err(_) if filled.contains(&index) => {
+                buffers.push(None);
+                continue;
+            }
+            Err(why) => return Err(Trouble::Buffer { buffer: index, why }),
+            Ok(data) => data,
+        };
         if data.len() < needed {
             return Err(Trouble::ShortBuffer { buffer: index, held: data.len(), needed });
         }
-        buffers.push(data);
+        buffers.push(Some(data));
     }
     Ok(buffers)
 }

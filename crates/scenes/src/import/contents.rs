@@ -96,7 +96,8 @@ impl Reader<'_> {
             let own = self.changes.draws(&all[node.index])?;
             Some(own & parent.unwrap_or(Some(true))?)
         });
-        let moved = nodes.inherited(|node, parent| self.changes.moves(node.index) || parent.unwrap_or(false));
+        let moved = nodes
+            .inherited(|node, parent| self.changes.moved.contains(&node.index) || parent.unwrap_or(false));
         (drawn, moved)
     }
 
@@ -133,34 +134,23 @@ impl Reader<'_> {
             let transform = if has_skin { DAffine3::IDENTITY } else { globals[place] };
             let hides = occludes && is_sure && mesh.hiding().is_some();
             let mut add = |name: String, instance: Affine3A| {
-                let own = instance.as_daffine3();
+                let (own, object, mesh) = (instance.as_daffine3(), found.objects.len(), mesh.clone());
                 if dynamic {
-                    found.moving.push(Moving {
-                        object: found.objects.len(),
-                        node: place,
-                        place: own,
-                        mesh: mesh.clone(),
-                    });
+                    found.moving.push(Moving { object, node: place, place: own, mesh: mesh.clone() });
                 }
                 // Programs differ in which side of a mirrored instance they draw.
                 let has_side = mesh.sides.is_empty() || turn_of(&instance) > 0.0;
                 found.places.push(transform * own);
                 found.parts.push(FilePart { node: item.index, primitives: primitives.clone() });
-                found.objects.push(Object {
-                    name,
-                    shape: match has_skin {
-                        true => Shape::Box { min: mesh.positions[0], max: mesh.positions[7] },
-                        false => {
-                            Shape::Mesh { mesh: mesh.clone(), transform: (transform * own).as_affine3a() }
-                        }
-                    },
-                    motion: match dynamic || is_deformed {
-                        true => Motion::Dynamic { max_speed: 0.0 },
-                        false => Motion::Static,
-                    },
-                    occludes: hides && has_side,
-                    tested,
-                });
+                let shape = match has_skin {
+                    true => Shape::Box { min: mesh.positions[0], max: mesh.positions[7] },
+                    false => Shape::Mesh { mesh, transform: (transform * own).as_affine3a() },
+                };
+                let motion = match dynamic || is_deformed {
+                    true => Motion::Dynamic { max_speed: 0.0 },
+                    false => Motion::Static,
+                };
+                found.objects.push(Object { name, shape, motion, occludes: hides && has_side, tested });
             };
             let instances = match has_skin {
                 true => None,

@@ -23,10 +23,6 @@ fn around(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
-fn scaled((low, high): Bounds, by: f32) -> Bounds {
-    (low * by, high * by)
-}
-
 /// By joint of a skin, the box of the points that follow it; and the least and the greatest sum of
 /// their weights.
 type Followed = (HashMap<usize, Bounds>, [f32; 2]);
@@ -191,7 +187,7 @@ impl Deformed<'_> {
             }
         }
         // Weights that are not 1 in sum are made so by some programs, and are factors in others.
-        let all = sums.iter().fold(all, |b, &sum| around(b, scaled(all, sum)));
+        let all = sums.iter().fold(all, |b, &sum| around(b, (all.0 * sum, all.1 * sum)));
         let room = POSED * all.0.abs().max(all.1.abs());
         Ok(Some((all.0 - room, all.1 + room)).filter(is_sound))
     }

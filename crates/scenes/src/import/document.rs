@@ -12,12 +12,13 @@ use super::error::Trouble;
 use super::instances::INSTANCING;
 use super::mend::mend;
 use super::nodes::Place;
+use super::packed::{MESHOPT, unpack};
 use super::warnings::Warnings;
 
 /// Coordinates may be integers.
 pub const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Extensions that a file may require.
-const UNDERSTOOD: [&str; 3] = [QUANTIZATION, INSTANCING, "KHR_animation_pointer"];
+const UNDERSTOOD: [&str; 5] = [QUANTIZATION, INSTANCING, "KHR_animation_pointer", MESHOPT[0], MESHOPT[1]];
 /// What the names of extensions start with that change no geometry, only what it looks like.
 const COLOURS: [&str; 7] = [
     "KHR_materials_",
@@ -57,7 +58,7 @@ pub fn parse<'a>(bytes: &'a [u8], folder: Option<&Path>, warnings: &Warnings) ->
     check_extensions(&document)?;
     check_rules(document.as_json())?;
     check_packed(&document)?;
-    let buffers = Buffers::new(buffers_of(&document, binary.map(<[u8]>::to_vec), folder)?);
+    let buffers = unpack(&document, buffers_of(&document, binary.map(<[u8]>::to_vec), folder)?)?;
     Ok(File { json, document, buffers, places })
 }
 

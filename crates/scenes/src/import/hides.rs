@@ -1,7 +1,7 @@
 //! What of a file hides what is behind it: only what is drawn opaque in each case, from the side
 //! from which it is drawn. See the table of [`super`].
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 use gltf::material::AlphaMode;
 use serde_json::Value;
@@ -31,11 +31,11 @@ const LEVELS: &str = "MSFT_lod";
 /// What animations change beside the poses of nodes and the weights of their meshes.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
-    materials: HashSet<usize>,
+    materials: BTreeSet<usize>,
     /// Nodes that are shown and hidden.
-    shown: HashSet<usize>,
-    /// Nodes that are moved, or whose mesh is deformed.
-    moved: HashSet<usize>,
+    shown: BTreeSet<usize>,
+    /// Nodes that are moved, or whose mesh is deformed, in a way that is not read.
+    pub(super) moved: BTreeSet<usize>,
 }
 
 impl Changes {
@@ -116,11 +116,6 @@ impl Changes {
         if material.double_sided() { Sides::Both } else { Sides::Front }
     }
 
-    /// Whether an animation moves a node in a way that is not read.
-    pub(super) fn moves(&self, node: usize) -> bool {
-        self.moved.contains(&node)
-    }
-
     /// Whether a node is surely drawn as it is, its children aside; `None` if it is hidden.
     pub(super) fn draws(&self, node: &gltf::Node) -> Option<bool> {
         let visible = node.extension_value(VISIBILITY).and_then(|v| v["visible"].as_bool()).unwrap_or(true);
@@ -151,14 +146,8 @@ mod tests {
         let channels: Vec<Value> = pointers.iter().map(|p| channel(p)).collect();
         let json = serde_json::json!({ "animations": [{ "channels": channels }] }).to_string();
         let changes = Changes::of(format!("\u{feff}{json}").as_bytes());
-        let sorted = |all: &HashSet<usize>| {
-            let mut all: Vec<usize> = all.iter().copied().collect();
-            all.sort_unstable();
-            all
-        };
-        let found = [&changes.shown, &changes.moved, &changes.materials].map(sorted);
-        assert_eq!(found, [vec![3], vec![4, 5], vec![6]]);
-        assert!(changes.moves(4) && !changes.moves(3));
+        let found = [&changes.shown, &changes.moved, &changes.materials];
+        assert_eq!(found, [&[3].into(), &[4, 5].into(), &[6].into()]);
         assert!(Changes::of(b"no JSON, KHR_animation_pointer").moved.is_empty());
     }
 }

@@ -30,8 +30,8 @@ pub(super) fn instances_of(
             return Err(wrong(node, "has instances with attributes of different lengths"));
         }
         match name.as_str() {
-            "TRANSLATION" => translations = Some(vectors_of(buffers, &accessor)?),
-            "SCALE" => scales = Some(vectors_of(buffers, &accessor)?),
+            "TRANSLATION" => translations = Some(buffers.vectors(&accessor, WHAT)?),
+            "SCALE" => scales = Some(buffers.vectors(&accessor, WHAT)?),
             "ROTATION" => {
                 let values = buffers.floats(&accessor, WHAT, Components::Normalized)?;
                 let values: Option<Vec<Quat>> = values
@@ -61,13 +61,4 @@ pub(super) fn instances_of(
         )
     };
     Ok(Some((0..count).map(place).collect()))
-}
-
-fn vectors_of(buffers: &Buffers, accessor: &gltf::Accessor) -> Result<Vec<Vec3>, Trouble> {
-    let values = buffers.floats(accessor, WHAT, Components::Floats)?;
-    let values: Vec<Vec3> = values.into_iter().map(Vec3::from_array).collect();
-    if values.iter().any(|v| !v.is_finite()) {
-        return Err(unfit(accessor, WHAT, "not finite"));
-    }
-    Ok(values)
 }

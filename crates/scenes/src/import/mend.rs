@@ -28,7 +28,13 @@ pub(super) fn mend(root: &mut Object, warnings: &Warnings) -> Result<(), Trouble
     check_version(root)?;
     root.retain(|_, value| !value.is_null());
     root.values_mut().for_each(tidy);
-    let views = each(root, "bufferViews", |_, view| mend_view(view));
+    let views = each(root, "bufferViews", |_, view| {
+        if let Some(members) = object(view) {
+            // A stride of zero says nothing.
+            members.retain(|name, value| name != "target" && (name != "byteStride" || *value != json!(0)));
+        }
+        true
+    });
     let needed = needed(root);
     let accessors = each(root, "accessors", |i, accessor| {
         let sound = is_accessor(accessor, &views);
@@ -121,16 +127,6 @@ fn tidy(value: &mut Value) {
 /// Whether an item can be read alone, and its parts are known.
 fn reads<T>(value: &Value, read: fn(Value) -> Result<T, Error>, is_known: impl Fn(&T) -> bool) -> bool {
     read(value.clone()).is_ok_and(|item| is_known(&item))
-}
-
-fn mend_view(view: &mut Value) -> bool {
-    if let Some(members) = object(view) {
-        members.remove("target");
-        if members.get("byteStride").and_then(Value::as_u64) == Some(0) {
-            members.remove("byteStride");
-        }
-    }
-    true
 }
 
 /// The accessors that a scene cannot do without: where things are, and how they move.

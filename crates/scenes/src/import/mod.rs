@@ -22,7 +22,9 @@
 //!   looking ahead. A side shorter than a hundredth of the longest counts as a tenth of it:
 //!   one walks above a bare floor and around a bare wall.
 //! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs, escaped or as
-//!   the file is called. Accessors may be sparse, need no box, and are zeros without a view.
+//!   the file is called. Accessors may be sparse, need no box, and are zeros without a view. Views
+//!   that `EXT_meshopt_compression` or `KHR_meshopt_compression` packs, as gltfpack does, are unpacked
+//!   if their bytes are not there. `KHR_draco_mesh_compression` is not read.
 //! - **Far from the origin**: a scene that lies farther than 100 times its size from the origin of
 //!   its file, such as in UTM, is moved to an origin of its own before numbers are rounded to
 //!   single precision: [`Source::origin`](crate::world::Source::origin) is what to add to
@@ -70,7 +72,7 @@
 //!
 //! What a scene cannot do without is taken whole or refused. Accessors may share bytes, and may
 //! have none, but a file that unfolds to more than four elements a byte of its buffers and a
-//! million more is refused. Nodes may be nested in any depth.
+//! million more, or to more than one element for each byte that was packed, is refused. Nodes may be nested in any depth.
 
 mod accessors;
 mod animations;
@@ -86,6 +88,7 @@ mod mend;
 mod meshes;
 mod nodes;
 mod origin;
+mod packed;
 mod path;
 #[cfg(test)]
 mod tests;

@@ -192,19 +192,17 @@ pub fn wrong(node: &gltf::Node, why: impl Into<String>) -> Trouble {
 /// a role that is none of these is somebody else's.
 pub(super) fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
     let extras = node.extras().as_ref().and_then(|text| serde_json::from_str::<Value>(text.get()).ok());
-    match extras.as_ref().and_then(|extras| extras.get("role")) {
-        None => (true, true),
-        Some(role) => match role.as_str() {
-            Some("both") => (true, true),
-            Some("occluder") => (true, false),
-            Some("occludee") => (false, true),
-            _ => {
-                let what = "has an extras.role that is not occluder, occludee or both, and counts as both";
-                warnings.add(node_name(node), what);
-                (true, true)
-            }
-        },
+    let Some(role) = extras.as_ref().and_then(|extras| extras.get("role")) else { return (true, true) };
+    match role.as_str() {
+        Some("occluder") => return (true, false),
+        Some("occludee") => return (false, true),
+        Some("both") => {}
+        _ => {
+            let what = "has an extras.role that is not occluder, occludee or both, and counts as both";
+            warnings.add(node_name(node), what);
+        }
     }
+    (true, true)
 }
 
 /// Whether a node shows its mesh in another form than its positions give; `morphs` says whether an

@@ -42,9 +42,6 @@ pub(crate) const OUTSIDE_SPHERE: f64 = 1e-9;
 pub(crate) const OFF_RIM: f64 = 1e-12;
 /// The weight of a face without area, so that one of several such faces can be drawn.
 pub(crate) const LEAST_AREA: f64 = 1e-30;
-/// Random places in a ball of radius 1 lie farther than this from its middle, so that they have a
-/// direction.
-pub(crate) const LEAST_IN_BALL: f64 = 1e-3;
 
 /// What is added to the greatest coordinate of a scene, so that one at the origin has a size.
 pub(crate) const LEAST_SCALE: f64 = 1e-3;

@@ -159,26 +159,16 @@ impl Frustum {
         (planes.inverse() * DVec3::new(x * cw - cx, y * cw - cy, 0.0), middle * scale)
     }
 
-    /// Whether `point` is in the clip volume.
-    pub fn contains(&self, point: DVec3) -> bool {
-        self.contains_with_margin(point, 0.0)
-    }
-
     /// Whether `point` is in the clip volume by a margin, and also in
     /// the volume of the matrix product rounded to f32: a
     /// renderer's rounding cannot put it outside.
     pub fn surely_contains(&self, point: DVec3) -> bool {
-        let clip = self.rounded * point.extend(1.0);
+        let rounded = self.rounded * point.extend(1.0);
+        let [x, y, z, w] = self.rows.map(|row| row.at(point - self.eye));
         let depth = self.depth(point);
         depth >= self.near + SURELY_INSIDE * (1.0 + self.near.abs())
             && depth + SURELY_INSIDE * (1.0 + depth.abs()) <= self.far
-            && self.contains_with_margin(point, SURELY_INSIDE)
-            && inside(clip.x, clip.y, clip.z, clip.w, SURELY_INSIDE)
-    }
-
-    fn contains_with_margin(&self, point: DVec3, margin: f64) -> bool {
-        let [x, y, z, w] = self.rows.map(|row| row.at(point - self.eye));
-        inside(x, y, z, w, margin)
+            && [[x, y, z, w], rounded.to_array()].into_iter().all(inside)
     }
 
     /// Whether a box may meet the clip volume; false only if it does not (NaN may).
@@ -233,9 +223,9 @@ impl Frustum {
     }
 }
 
-/// The margin is for x and y only: near an infinite far plane z comes as near
-/// to w as it likes.
-fn inside(x: f64, y: f64, z: f64, w: f64, margin: f64) -> bool {
-    let limit = w - margin * w.abs();
+/// Whether a point of the clip space is surely inside. The margin is for x and y only: near an
+/// infinite far plane z comes as near to w as it likes.
+fn inside([x, y, z, w]: [f64; 4]) -> bool {
+    let limit = w - SURELY_INSIDE * w.abs();
     w > 0.0 && x.abs() <= limit && y.abs() <= limit && z >= 0.0 && z <= w
 }

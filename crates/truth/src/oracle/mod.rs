@@ -5,11 +5,9 @@
 //! - [`RayOracle`] looks at points on the surfaces of single objects, and so
 //!   finds what is seen between the centres of pixels.
 //! - [`Oracle`] uses both to judge a set of potentially visible objects.
-//! - [`BallOracle`] does so for all eyes in a ball.
 //! - [`Seen`] reads from a file itself what of its objects stops rays.
 //! - [`tree`] is their hierarchy of what stops rays, which sisters use, too.
 
-mod ball;
 mod files;
 mod frustum;
 mod geometry;
@@ -23,7 +21,6 @@ pub mod tree;
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use ball::{BallCounts, BallOptions, BallOracle, BallSighting};
 pub use files::Seen;
 pub use frustum::{Frustum, Viewpoint};
 use geometry::Primitive;
@@ -141,25 +138,9 @@ impl Oracle {
         camera: &Camera,
         pvs: &dyn Fn(usize) -> bool,
     ) -> FrameVerdict {
-        self.update(objects, moved);
-        self.buffer.draw(&self.rays, objects, camera);
-        self.judge(objects, camera, true, pvs)
-    }
-
-    fn update(&mut self, objects: &[Object], moved: &[usize]) {
         self.rays.update(objects, moved);
         self.buffer.update(objects, moved);
-    }
-
-    /// Judges the set `pvs` with the objects as they were in the last frame: by the item buffer as
-    /// it was drawn for this camera, and by rays, or by rays alone.
-    fn judge(
-        &mut self,
-        objects: &[Object],
-        camera: &Camera,
-        drawn: bool,
-        pvs: &dyn Fn(usize) -> bool,
-    ) -> FrameVerdict {
+        self.buffer.draw(&self.rays, objects, camera);
         let frustum = Frustum::new(camera);
         let options = self.options;
 
@@ -167,35 +148,28 @@ impl Oracle {
         let mut missing = Vec::new();
         let mut left_out = Vec::new();
         for (i, object) in objects.iter().enumerate().filter(|(_, object)| object.tested) {
-            let seen = drawn && self.buffer.visible()[i] > 0;
+            let seen = self.buffer.visible()[i] > 0;
             if seen {
                 exact.push(i);
             }
-            match (seen, pvs(i)) {
-                (_, true) => {}
-                (true, false) => missing.push(i),
-                (false, false) => {
-                    if self.may_be_in_view(&frustum, object) {
-                        left_out.push(i);
-                    }
-                }
+            if pvs(i) {
+                continue;
+            }
+            if seen {
+                missing.push(i);
+            } else if self.may_be_in_view(&frustum, object) {
+                left_out.push(i);
             }
         }
 
         let mut false_negatives = Vec::new();
         let mut unconfirmed = Vec::new();
         for (object, found) in self.confirm(objects, &frustum, &missing) {
-            match found {
-                Some((origin, target)) => {
-                    false_negatives.push(FalseNegative {
-                        object,
-                        origin,
-                        target,
-                        found_by: FoundBy::ItemBuffer,
-                    });
-                }
-                None => unconfirmed.push(object),
-            }
+            let Some((origin, target)) = found else {
+                unconfirmed.push(object);
+                continue;
+            };
+            false_negatives.push(FalseNegative { object, origin, target, found_by: FoundBy::ItemBuffer });
         }
 
         let candidates = left_out.len();
@@ -217,7 +191,7 @@ impl Oracle {
         FrameVerdict {
             exact,
             rays: report.rays,
-            item_rays: if drawn { (options.width * options.height) as u64 } else { 0 },
+            item_rays: (options.width * options.height) as u64,
             candidates,
             false_negatives,
             unconfirmed,

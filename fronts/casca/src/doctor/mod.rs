@@ -37,9 +37,8 @@ const LEAST_HIDDEN: f64 = 0.05;
 const FEW: usize = 10;
 /// Views that are compared with exact visibility.
 const CHECKED: usize = 8;
-/// Extensions that pack geometry, and how to do without.
-const PACKED: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+/// An extension that packs geometry.
+const PACKED: &str = "KHR_draco_mesh_compression";
 
 /// Says what of a level hides, what does not and why, and what culling saves in it
 ///
@@ -87,7 +86,7 @@ pub fn run(options: &Options) -> Result<Outcome, Failed> {
 /// A failure with what to do about it.
 fn advised(why: ImportError) -> Failed {
     match &why.why {
-        Trouble::Extensions(names) if PACKED.iter().any(|packed| names.contains(packed)) => {
+        Trouble::Extensions(names) if names.contains(PACKED) => {
             format!("{why}: the geometry is compressed; export the level without that, or decompress it")
                 .into()
         }
@@ -98,7 +97,7 @@ fn advised(why: ImportError) -> Failed {
 
 /// The error, with the object that the library refuses.
 fn refused(world: &World, why: casca::Error) -> Failed {
-    let is_refused = |object: &&Object| Driver::with(from_ref(object), 1.0, |_, desc| desc, |_| ()).is_err();
+    let is_refused = |object: &&Object| Driver::with(from_ref(object), 1.0, None, |_, desc| desc, |_| ()).is_err();
     match world.objects.iter().find(is_refused) {
         Some(object) => format!("casca refuses the object {:?}: {why}", object.name).into(),
         None => why.into(),

@@ -101,7 +101,7 @@ impl Trials {
             let (min, max) = object.shape.bounds();
             object.occludes &= (max - min).length() >= least;
         }
-        let large = Driver::with(&objects, cell, |_, desc| desc, |_| ())?;
+        let large = Driver::with(&objects, cell, None, |_, desc| desc, |_| ())?;
         let (name, method) = point("balanced()", PointOptions::balanced());
         settings.push(run(&large, cell, (format!("{name}, if nothing below {least:.2} m hides"), method))?);
         Ok(Self { frustum, settings, driver })

@@ -1,13 +1,11 @@
 //! A walk, with all ways side by side.
 
-use casca::{Method, Query, View};
+use casca::{KeptOptions, Method, PointOptions, Query, View};
 
 use super::super::walker::item_buffer;
-use super::super::{ASPECT, LabError, p99};
-use super::ways::{Way, ways};
+use super::super::{ASPECT, Contender, FrameInput, LabError, p99};
 use casca_scenes::drive::{Driver, fitted_cell, view_of};
 use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
-use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, World};
 use casca_truth::oracle::{Oracle, OracleOptions, Seen};
 
@@ -62,9 +60,27 @@ pub struct WalkScore {
     pub ways: Vec<WayScore>,
 }
 
-/// A way with its scene, and sums over frames.
+/// The ways that are compared; the others are measured against the first.
+pub fn ways() -> Result<Vec<Contender>, LabError> {
+    let options = PointOptions::default();
+    let mut all = vec![
+        Contender::casca("fresh", Method::Point(options))?,
+        Contender::casca("coherent", Method::Point(options.coherent(true)))?,
+    ];
+    let (usual, small) = (KeptOptions::new(), KeptOptions::new().reach(0.06).turn(f32::to_radians(5.0)));
+    for (options, aside) in [(usual, false), (small, true), (usual, true)] {
+        let name = format!("kept, {} m, {:.0} degrees", options.reach, options.turn.to_degrees());
+        all.push(match aside {
+            true => Contender::aside(&(name + ", another thread"), options)?,
+            false => Contender::kept(&name, options)?,
+        });
+    }
+    Ok(all)
+}
+
+/// A way with its scene, which is kept up to date and gets its results back, and sums over frames.
 struct Entry {
-    way: Way,
+    way: Contender,
     driver: Driver,
     ms: Vec<f64>,
     found: usize,
@@ -72,21 +88,17 @@ struct Entry {
 }
 
 impl Entry {
-    /// Runs a frame up to its answer, and returns the milliseconds that took.
-    fn frame(&mut self, world: &World, moved: &[usize], now: f64, view: &View) -> Result<f64, LabError> {
+    /// Runs a frame up to its answer, and returns the milliseconds that the answer took.
+    fn frame(&mut self, world: &World, moved: &[usize], now: f64, camera: &Camera) -> Result<f64, LabError> {
         self.driver.scene.begin_frame(now)?;
         self.driver.update(&world.objects, moved)?;
-        let ((), time) = timed(|| self.way.frame(&self.driver.scene, view));
-        Ok(time.as_secs_f64() * 1e3)
-    }
-
-    fn sees(&self, object: usize) -> bool {
-        self.driver.sees(self.way.pvs(), object)
+        let input = FrameInput { driver: &self.driver, objects: &world.objects, in_frustum: &[], camera };
+        Ok(self.way.run(&input)?.as_secs_f64() * 1e3)
     }
 
     fn score(mut self, judged: usize) -> WayScore {
         WayScore {
-            name: self.way.name,
+            name: self.way.setting,
             mean: self.ms.iter().sum::<f64>() / self.ms.len().max(1) as f64,
             p99: p99(&mut self.ms),
             found: self.found as f64 / judged.max(1) as f64,
@@ -139,7 +151,7 @@ impl Judge {
         moved.sort_unstable();
         moved.dedup();
         let verdict = self.oracle.frame(self.seen.follow(&world.objects, &moved), &moved, camera, &|i| {
-            entries.iter().all(|e| e.sees(i))
+            entries.iter().all(|e| e.way.sees(i))
         });
         self.visible += verdict.exact.len();
         self.frames += 1;
@@ -148,8 +160,8 @@ impl Judge {
         let tested = |i: &usize| world.objects[*i].tested && first.driver.sees(pvs, *i);
         let in_frustum: Vec<usize> = (0..world.objects.len()).filter(tested).collect();
         for entry in entries {
-            entry.found += in_frustum.iter().filter(|&&i| entry.sees(i)).count();
-            entry.wrong += verdict.false_negatives.iter().filter(|f| !entry.sees(f.object)).count();
+            entry.found += in_frustum.iter().filter(|&&i| entry.way.sees(i)).count();
+            entry.wrong += verdict.false_negatives.iter().filter(|f| !entry.way.sees(f.object)).count();
         }
     }
 }
@@ -181,7 +193,7 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
         // Each frame starts with another way, so that none is always the one after the judgement.
         for turn in 0..count {
             let entry = &mut entries[(turn + number) % count];
-            let ms = entry.frame(&world, &moved, number as f64 * WALK_SECONDS, &view)?;
+            let ms = entry.frame(&world, &moved, number as f64 * WALK_SECONDS, &camera)?;
             if counts {
                 entry.ms.push(ms);
             }
@@ -191,7 +203,7 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
         }
         for entry in &mut entries {
             entry.way.work_aside();
-            entry.driver.scene.end_frame([entry.way.pvs()])?;
+            entry.driver.scene.end_frame(entry.way.pvs())?;
         }
     }
     Ok(WalkScore {

@@ -2,7 +2,6 @@
 //! them.
 
 mod measure;
-mod ways;
 
 use measure::{Sampling, WalkScore, measure};
 
@@ -91,7 +90,7 @@ mod tests {
             let world = build(SceneKind::Rooms, &SceneOptions::default());
             let score = measure(world, movers, &sampling).unwrap();
             assert_eq!((score.judged, score.movers), (14, movers));
-            assert_eq!(score.ways.len(), ways::ways().unwrap().len());
+            assert_eq!(score.ways.len(), measure::ways().unwrap().len());
             for way in &score.ways {
                 assert_eq!(way.wrong, 0, "{}", way.name);
                 assert!(way.found >= score.visible, "{way:?}");

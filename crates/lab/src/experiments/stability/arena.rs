@@ -84,6 +84,14 @@ impl<'a> Arena<'a> {
         Ok(Case::new(name, objects, CELL, still(self.cameras.iter().copied())))
     }
 
+    /// The arena with each of these as its wall.
+    pub(super) fn walls(
+        &self,
+        walls: impl IntoIterator<Item = (&'static str, Shape)>,
+    ) -> Result<Vec<Case>, LabError> {
+        walls.into_iter().map(|(name, wall)| self.with(name, vec![solid("wall", wall)])).collect()
+    }
+
     pub(super) fn dice(&self, case: u64) -> Dice {
         dice(self.lab.seed, case)
     }

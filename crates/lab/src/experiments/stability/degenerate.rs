@@ -9,13 +9,16 @@ use super::case::{ASPECT, Case, Shot, block, box_mesh, glass, mesh, placed, quad
 use crate::experiments::LabError;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 
+/// A mesh with other triangles between its vertices.
+fn of_triangles(shape: &Shape, change: impl Fn(&[[u32; 3]]) -> Vec<[u32; 3]>) -> Shape {
+    let Shape::Mesh { mesh: old, .. } = shape else { return shape.clone() };
+    mesh(old.positions.clone(), change(&old.triangles))
+}
+
 impl Arena<'_> {
     /// Meshes that are none, or bad ones, as occluders.
     fn degenerate(&self) -> Result<Vec<Case>, LabError> {
-        let thick = 4.0 * CELL;
         let mut dice = self.dice(9);
-        let mut cases =
-            vec![self.with("mesh wall, 8 x 6 quads", vec![solid("wall", sheet(8, 6, |_, _| true))])?];
         let mut at = |reach: Vec3| dice.point(-reach, reach).with_z(FRONT);
         // Triangles whose corners lie on a line or in a point; across the wall's place.
         let mut lines = Vec::new();
@@ -27,36 +30,13 @@ impl Arena<'_> {
                 _ => [a, (a + b) * 0.5, b],
             });
         }
-        let soup = |corners: &[[Vec3; 3]]| {
-            let positions = corners.iter().flatten().copied().collect();
-            mesh(positions, (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+        let (least, most) = ((-HALF).with_z(FRONT), HALF.with_z(FRONT));
+        let both = [&lines[..], &[[least, least.with_x(HALF.x), most]]].concat();
+        let needle = |_| {
+            let (a, b) = (at(HALF), at(HALF));
+            [a, b, b + Vec3::new(1e-5, 1e-5, 0.0)]
         };
-        cases.push(self.with("triangles without area", vec![solid("lines", soup(&lines))])?);
-        let mut both = lines.clone();
-        both.push([
-            Vec3::new(-HALF.x, -HALF.y, FRONT),
-            Vec3::new(HALF.x, -HALF.y, FRONT),
-            HALF.with_z(FRONT),
-        ]);
-        cases.push(self.with("triangles without area in a wall's mesh", vec![solid("lines", soup(&both))])?);
-        let needles: Vec<[Vec3; 3]> = (0..300)
-            .map(|_| {
-                let (a, b) = (at(HALF), at(HALF));
-                [a, b, b + Vec3::new(1e-5, 1e-5, 0.0)]
-            })
-            .collect();
-        cases.push(self.with("needles 0.01 mm wide", vec![solid("needles", soup(&needles))])?);
-        let repeated = match sheet(8, 6, |_, _| true) {
-            Shape::Mesh { mesh: m, .. } => {
-                let mut triangles = m.triangles.clone();
-                // Each again, turned over, and once more.
-                triangles.extend(m.triangles.iter().map(|&[a, b, c]| [c, b, a]));
-                triangles.extend(m.triangles.iter().map(|&[a, b, c]| [b, c, a]));
-                mesh(m.positions.clone(), triangles)
-            }
-            other => other,
-        };
-        cases.push(self.with("every triangle three times, also turned over", vec![solid("wall", repeated)])?);
+        let needles: Vec<[Vec3; 3]> = (0..300).map(needle).collect();
         // Each column of quads meets one twice as tall: vertices lie on edges.
         let mut junctions = Vec::new();
         for i in 0..8 {
@@ -69,26 +49,33 @@ impl Arena<'_> {
                 junctions.extend([[a, b, c], [a, c, d]]);
             }
         }
-        cases.push(self.with("T-junctions", vec![solid("wall", soup(&junctions))])?);
+        let soup = |corners: &[[Vec3; 3]]| {
+            let positions = corners.iter().flatten().copied().collect();
+            mesh(positions, (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+        };
+        let turned = |&[a, b, c]: &[u32; 3]| [c, b, a];
         let mut holes = self.dice(10);
-        let torn = sheet(48, 32, |_, _| holes.range(0.0, 1.0) < 0.8);
-        cases.push(self.with("sheet of 48 x 32 quads, a fifth missing", vec![solid("wall", torn)])?);
-        let flat = box_mesh(Vec3::new(-HALF.x, -HALF.y, FRONT), Vec3::new(HALF.x, HALF.y, FRONT));
-        cases.push(self.with("closed box mesh without thickness", vec![solid("wall", flat)])?);
-        let (lo, hi) = (Vec3::new(-HALF.x, -HALF.y, FRONT - thick), Vec3::new(HALF.x, HALF.y, FRONT));
-        let inside_out = match box_mesh(lo, hi) {
-            Shape::Mesh { mesh: m, .. } => {
-                mesh(m.positions.clone(), m.triangles.iter().map(|&[a, b, c]| [c, b, a]).collect())
-            }
-            other => other,
-        };
-        cases.push(self.with("box mesh inside out", vec![solid("wall", inside_out)])?);
-        let open = match box_mesh(lo, hi) {
-            Shape::Mesh { mesh: m, .. } => mesh(m.positions.clone(), m.triangles[1..].to_vec()),
-            other => other,
-        };
-        cases.push(self.with("box mesh that lacks a triangle", vec![solid("wall", open)])?);
-        Ok(cases)
+        let whole = sheet(8, 6, |_, _| true);
+        let closed = box_mesh(least.with_z(FRONT - 4.0 * CELL), most);
+        let cases = [
+            ("mesh wall, 8 x 6 quads", whole.clone()),
+            ("triangles without area", soup(&lines)),
+            ("triangles without area in a wall's mesh", soup(&both)),
+            ("needles 0.01 mm wide", soup(&needles)),
+            (
+                "every triangle three times, also turned over",
+                of_triangles(&whole, |all| {
+                    let again = all.iter().map(|&[a, b, c]| [b, c, a]);
+                    all.iter().copied().chain(all.iter().map(turned)).chain(again).collect()
+                }),
+            ),
+            ("T-junctions", soup(&junctions)),
+            ("sheet of 48 x 32 quads, a fifth missing", sheet(48, 32, |_, _| holes.range(0.0, 1.0) < 0.8)),
+            ("closed box mesh without thickness", box_mesh(least, most)),
+            ("box mesh inside out", of_triangles(&closed, |all| all.iter().map(turned).collect())),
+            ("box mesh that lacks a triangle", of_triangles(&closed, |all| all[1..].to_vec())),
+        ];
+        self.walls(cases)
     }
 
     /// Eyes close to the plane of a long wall, looking along it.

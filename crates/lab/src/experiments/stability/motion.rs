@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::case::{ASPECT, Case, Shot, block, dice, placed, solid, sphere};
-use super::walks::{Walk, shifted};
+use super::walks::Walk;
 use crate::experiments::{Lab, LabError};
 use casca_scenes::generated::SceneKind;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
@@ -109,7 +109,7 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
     let mut beamed = walk.case("spheres, moving objects jump anywhere each frame");
     for shot in &mut beamed.shots {
         for (_, shape) in &mut shot.moves {
-            *shape = shifted(shape, dice.point(ROOM[0], ROOM[1]) - center(shape));
+            *shape = shape.moved(dice.point(ROOM[0], ROOM[1]) - center(shape));
         }
     }
     cases.push(beamed);

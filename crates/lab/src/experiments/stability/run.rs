@@ -27,6 +27,7 @@ pub(super) fn aimed_rays(lab: &Lab) -> usize {
 }
 
 /// What a method made of a case.
+#[derive(Default)]
 pub(super) struct Outcome {
     pub(super) method: &'static str,
     /// Objects found, summed over the frames.
@@ -40,6 +41,7 @@ pub(super) struct Outcome {
 }
 
 /// A case, and what all methods made of it.
+#[derive(Default)]
 pub(super) struct Finding {
     pub(super) case: String,
     /// Visible objects, summed over the frames.
@@ -110,25 +112,6 @@ fn advance(
     Ok(moved)
 }
 
-/// What nothing is known of yet.
-fn unknown(case: &Case, contenders: &[Contender]) -> Finding {
-    let outcome = |contender: &Contender| Outcome {
-        method: contender.method,
-        found: 0,
-        lost: 0,
-        lost_known: 0,
-        first_lost: None,
-    };
-    Finding {
-        case: case.name.clone(),
-        visible: 0,
-        sure: 0,
-        known: 0,
-        refuted: 0,
-        outcomes: contenders.iter().map(outcome).collect(),
-    }
-}
-
 /// A frame as it stands.
 struct Now<'a> {
     driver: &'a Driver,
@@ -151,10 +134,10 @@ fn ask(now: &Now, contenders: &mut [Contender], finding: &mut Finding) -> Result
     for (k, contender) in contenders.iter_mut().enumerate() {
         let frame = FrameInput { driver, objects, in_frustum: &in_frustum, camera };
         contender.run(&frame)?;
-        if let (0, Some(query)) = (k, contender.query()) {
+        if let (0, Some(pvs)) = (k, contender.pvs()) {
             // Objects whose place the library does not know count as seen; the baselines know it.
             in_frustum = (0..objects.len())
-                .filter(|&i| driver.sees(query.pvs(), i) && may_meet(&now.frustum, &objects[i].shape))
+                .filter(|&i| driver.sees(pvs, i) && may_meet(&now.frustum, &objects[i].shape))
                 .collect();
         }
         finding.outcomes[k].found += contender.found().len();
@@ -217,7 +200,7 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         Motion::Dynamic { .. } if case.unreported => desc.reported_on_expiry(),
         _ => desc,
     };
-    let mut driver = Driver::with(&objects, case.cell, adapt, |_| ())?;
+    let mut driver = Driver::with(&objects, case.cell, None, adapt, |_| ())?;
     let mut contenders = contenders()?;
     let options = OracleOptions {
         width: item_width(lab),
@@ -227,7 +210,9 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         ..OracleOptions::default()
     };
     let mut oracle = Oracle::new(&objects, options);
-    let mut finding = unknown(case, &contenders);
+    let outcome = |contender: &Contender| Outcome { method: contender.method, ..Outcome::default() };
+    let outcomes = contenders.iter().map(outcome).collect();
+    let mut finding = Finding { case: case.name.clone(), outcomes, ..Finding::default() };
     let mut seen = Vec::new();
     for (number, shot) in case.shots.iter().enumerate() {
         let camera = &shot.camera;
@@ -241,9 +226,9 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
             count_losses(number, contender, &sure, outcome);
         }
         // Only `point` says what is hidden, so that as much as possible is.
-        if let Some(query) = contenders.get(1).and_then(Contender::query) {
-            seen = (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect();
-            driver.scene.end_frame([query.pvs()])?;
+        if let Some(pvs) = contenders.get(1).and_then(Contender::pvs) {
+            seen = driver.found(pvs);
+            driver.scene.end_frame([pvs])?;
         }
     }
     Ok(finding)

@@ -10,19 +10,19 @@ use casca_scenes::world::{Object, Shape};
 impl Arena<'_> {
     /// Walls from thick to no thickness at all.
     pub(super) fn thin(&self) -> Result<Vec<Case>, LabError> {
-        let mut cases = vec![self.with("wall 4 cells thick", vec![solid("wall", wall(4.0 * CELL))])?];
-        for (share, what) in [(0.5, "1/2 cell"), (0.1, "1/10 cell"), (1e-3, "1/1000 cell")] {
-            let name = format!("wall {what} thick");
-            cases.push(self.with(&name, vec![solid("wall", wall(share * CELL))])?);
-        }
-        cases.push(self.with("wall a box without thickness", vec![solid("wall", wall(0.0))])?);
-        cases.push(self.with("wall a mesh sheet", vec![solid("wall", sheet(1, 1, |_, _| true))])?);
         let between = block(
             Vec3::new(-HALF.x, -HALF.y, FRONT - CELL * 1.45),
             Vec3::new(HALF.x, HALF.y, FRONT - CELL * 0.45),
         );
-        cases.push(self.with("wall 1 cell thick between planes", vec![solid("wall", between)])?);
-        Ok(cases)
+        self.walls([
+            ("wall 4 cells thick", wall(4.0 * CELL)),
+            ("wall 1/2 cell thick", wall(0.5 * CELL)),
+            ("wall 1/10 cell thick", wall(0.1 * CELL)),
+            ("wall 1/1000 cell thick", wall(1e-3 * CELL)),
+            ("wall a box without thickness", wall(0.0)),
+            ("wall a mesh sheet", sheet(1, 1, |_, _| true)),
+            ("wall 1 cell thick between planes", between),
+        ])
     }
 
     /// Solids that share faces, planes or all of their surface.
@@ -45,15 +45,18 @@ impl Arena<'_> {
             Shape::Box { min, max } => box_mesh(min, max),
             other => other,
         };
-        let mut cases = vec![self.with("wall of one box", vec![solid("wall", wall(thick))])?];
-        cases.push(self.with("wall of 96 boxes that touch", tiles(12, 8, 0.0, &boxes))?);
-        cases.push(self.with("wall of 96 closed meshes that touch", tiles(12, 8, 0.0, &closed))?);
-        cases.push(self.with("wall of 96 sheets that share edges", tiles(12, 8, 0.0, &flat))?);
-        cases.push(self.with("wall of 96 boxes 0.1 mm apart", tiles(12, 8, 8e-6, &boxes))?);
-        cases.push(self.with("wall of 96 sheets 0.1 mm apart", tiles(12, 8, 8e-6, &flat))?);
-        cases.push(self.with("wall of 96 boxes that overlap, coplanar", tiles(12, 8, -0.02, &boxes))?);
-        let twice = vec![solid("wall", wall(thick)), solid("wall", wall(thick)), solid("wall", wall(thick))];
-        cases.push(self.with("three equal walls", twice)?);
+        let mut cases = self.walls([("wall of one box", wall(thick))])?;
+        for (name, objects) in [
+            ("wall of 96 boxes that touch", tiles(12, 8, 0.0, &boxes)),
+            ("wall of 96 closed meshes that touch", tiles(12, 8, 0.0, &closed)),
+            ("wall of 96 sheets that share edges", tiles(12, 8, 0.0, &flat)),
+            ("wall of 96 boxes 0.1 mm apart", tiles(12, 8, 8e-6, &boxes)),
+            ("wall of 96 sheets 0.1 mm apart", tiles(12, 8, 8e-6, &flat)),
+            ("wall of 96 boxes that overlap, coplanar", tiles(12, 8, -0.02, &boxes)),
+            ("three equal walls", vec![solid("wall", wall(thick)); 3]),
+        ] {
+            cases.push(self.with(name, objects)?);
+        }
         let mut dice = self.dice(6);
         let mut posters = vec![solid("wall", wall(thick))];
         for i in 0..40 {

@@ -55,15 +55,6 @@ impl Walk {
     }
 }
 
-/// A shape moved by an offset; its coordinates are rounded.
-pub(super) fn shifted(shape: &Shape, by: Vec3) -> Shape {
-    match shape {
-        Shape::Sphere { center, radius } => Shape::Sphere { center: *center + by, radius: *radius },
-        Shape::Box { min, max } => Shape::Box { min: *min + by, max: *max + by },
-        mesh => mesh.clone(),
-    }
-}
-
 /// Metres and radians.
 const AMPLITUDES: [f32; 7] = [0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 /// Places of each scene from which it is seen.
@@ -113,12 +104,12 @@ pub(super) fn offset(lab: &Lab) -> Result<Vec<Case>, LabError> {
             let case = walk.case(format!("{}, {} m from the origin", kind.name(), plain(offset)));
             let shots = case.shots.into_iter().map(|s| Shot {
                 camera: placed(&s.camera, s.camera.eye + by, Quat::IDENTITY),
-                moves: s.moves.iter().map(|(i, shape)| (*i, shifted(shape, by))).collect(),
+                moves: s.moves.iter().map(|(i, shape)| (*i, shape.moved(by))).collect(),
                 time: s.time,
             });
             let mut case = Case { shots: shots.collect(), ..case };
             for object in &mut case.objects {
-                object.shape = shifted(&object.shape, by);
+                object.shape = object.shape.moved(by);
             }
             cases.push(case);
         }

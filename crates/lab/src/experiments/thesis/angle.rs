@@ -122,11 +122,10 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use casca::{Aabb, ObjectDesc, Scene, Sphere};
+    use casca::{ObjectDesc, Scene, Sphere};
 
     #[test]
     fn an_opening_holds_what_lies_within_its_angle() {
-        let _region = Aabb::new(Vec3::splat(-32.0), Vec3::splat(32.0));
         let mut scene = Scene::new(1.0).unwrap();
         let at = |degrees: f32| {
             let (sin, cos) = degrees.to_radians().sin_cos();

@@ -11,7 +11,7 @@ use super::{ASPECT, Lab, LabError, Section, Table, grouped, median};
 use arena::Arena;
 use casca_scenes::drive::view_of;
 use casca_scenes::measure::timed;
-use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape};
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object};
 use casca_truth::oracle::ItemBuffer;
 use structures::{Box3, Frustum, Structure};
 
@@ -68,12 +68,7 @@ struct Record {
 }
 
 fn boxes(objects: &[Object]) -> Vec<Box3> {
-    let of = |o: &Object| match &o.shape {
-        Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
-        Shape::Box { min, max } => (*min, *max),
-        Shape::Mesh { transform, .. } => (transform.translation.into(), transform.translation.into()),
-    };
-    objects.iter().map(of).collect()
+    objects.iter().map(|object| object.shape.bounds()).collect()
 }
 
 /// Updates and asks all structures but the library's ways. `seen` are the moving objects that are

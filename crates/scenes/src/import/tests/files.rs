@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn reads_meshes_roles_and_the_camera_path() {
-    let world = read("small", &small_file(), None).unwrap();
+    let world = read_small_with("", "").unwrap();
     assert_eq!((world.objects.len(), world.frames), (1, 61));
     let leaf = &world.objects[0];
     assert!(leaf.name == "leaf" && leaf.tested && !leaf.occludes && leaf.motion == Motion::Static);
@@ -14,14 +14,12 @@ fn reads_meshes_roles_and_the_camera_path() {
 
 #[test]
 fn broken_files_are_refused_whole() {
-    let file = small_file();
+    let file = small_file(SMALL);
     for length in 0..file.len() {
         assert!(read("cut", &file[..length], None).is_err(), "cut at {length}");
     }
-    assert!(matches!(
-        load(Path::new("/no/such/file.glb")).err().expect("no such file").why,
-        Trouble::Read(_)
-    ));
+    let missing = load(Path::new("/no/such/file.glb")).err().expect("no such file");
+    assert!(matches!(missing.why, Trouble::Read(_)));
 }
 
 #[test]
@@ -36,10 +34,9 @@ fn what_the_parser_takes_for_granted_is_checked() {
         (r#""POSITION":0"#, r#""POSITION":7"#),
         (r#"{"camera":0}"#, r#"{"camera":0,"children":[1]}"#),
     ] {
-        let refused = read("bad", &small_file_with(old, new), None);
-        println!("{new}: {}", refused.err().unwrap_or_else(|| panic!("{new} was taken")));
+        assert!(read_small_with(old, new).is_err(), "{new} was taken");
     }
-    let mut short = small_file();
+    let mut short = small_file(SMALL);
     short[8..12].copy_from_slice(&11u32.to_le_bytes());
     assert!(matches!(read("short", &short, None), Err(Trouble::Format(_))));
 }
@@ -53,14 +50,14 @@ fn deep_trees_need_no_deep_stack() {
         nodes += &format!(r#",{{"children":[{i}]}}"#);
     }
     nodes += r#",{"mesh":0}"#;
-    let world = read("deep", &small_file_with(r#"{"camera":0}"#, &nodes), None).unwrap();
+    let world = read_small_with(r#"{"camera":0}"#, &nodes).unwrap();
     assert!(world.objects[1].motion != Motion::Static);
 }
 
 #[test]
 fn reads_the_real_scenes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes");
-    for (file, objects, triangles) in [
+    for (file, objects, count) in [
         ("sponza.glb", 339, 262_267),
         ("sponza-parts.glb", 1444, 262_267),
         ("kitchen-parts.glb", 757, 56_939),
@@ -72,15 +69,8 @@ fn reads_the_real_scenes() {
             continue;
         }
         let world = load(&path).unwrap();
-        let found: usize = world
-            .objects
-            .iter()
-            .map(|o| match &o.shape {
-                Shape::Mesh { mesh, .. } => mesh.triangles.len(),
-                _ => 0,
-            })
-            .sum();
-        assert_eq!((world.objects.len(), found, world.frames), (objects, triangles, 300), "{file}");
+        let found: usize = (0..world.objects.len()).map(|i| triangles(&world, i).len()).sum();
+        assert_eq!((world.objects.len(), found, world.frames), (objects, count, 300), "{file}");
     }
 }
 
@@ -167,11 +157,11 @@ fn deep_trees_of_objects_cost_no_more_than_their_nodes() {
         nodes += &format!(r#",{{"mesh":0,"translation":[0,0,0.001],"children":[{}]}}"#, i + 1);
     }
     nodes += r#",{"mesh":0}"#;
-    let file = small_file_with(r#"{"camera":0}"#, &nodes);
-    let text = String::from_utf8_lossy(&file).into_owned();
-    let json = &text[text.find('{').unwrap()..text.rfind('}').unwrap() + 1];
-    let moved = json.replace(r#""nodes":[0,1]"#, r#""nodes":[0,1,2]"#).replace(r#""node":1"#, r#""node":2"#);
-    let world = read("deep", &glb(&moved, &file[file.len() - 68..]), None).unwrap();
+    let json = SMALL
+        .replace(r#"{"camera":0}"#, &nodes)
+        .replace(r#""nodes":[0,1]"#, r#""nodes":[0,1,2]"#)
+        .replace(r#""node":1"#, r#""node":2"#);
+    let world = read("deep", &small_file(&json), None).unwrap();
     assert_eq!(world.objects.len(), depth);
     // The last hangs from all others, which move it by two in all at the end.
     let mut last = Vec3::ZERO;
@@ -185,43 +175,30 @@ fn deep_trees_of_objects_cost_no_more_than_their_nodes() {
 
 #[test]
 fn what_unfolds_to_more_than_the_file_is_refused() {
-    let small = small_file();
-    let text = String::from_utf8_lossy(&small).into_owned();
-    let json = &text[text.find('{').unwrap()..text.rfind('}').unwrap() + 1];
-    let with = |old: &str, new: &str| {
-        assert!(json.contains(old), "{old}");
-        read("made", &glb(&json.replace(old, new), &small[small.len() - 68..]), None)
-    };
     // A thousand accessors of a mebi of zeros each, which take no bytes.
     let zeros = r#"{"componentType":5126,"count":1048576,"type":"VEC3","min":[0,0,0],"max":[0,0,0],"sparse":{"count":1,
         "indices":{"bufferView":0,"componentType":5123},"values":{"bufferView":0}}},"#;
     let primitives: Vec<String> =
         (0..1000).map(|i| format!(r#"{{"attributes":{{"POSITION":{}}}}}"#, i + 3)).collect();
-    let with_zeros = json
-        .replace(
-            r#"{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]"#,
-            &format!(
-                r#"{{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}},{}]"#,
-                zeros.repeat(1000).trim_end_matches(',')
-            ),
-        )
-        .replace(r#"{"attributes":{"POSITION":0}}"#, &primitives.join(","));
-    says(read("made", &glb(&with_zeros, &small[small.len() - 68..]), None), &["unfolds to too much"]);
-    // The same positions in very many primitives, of which each may have them.
+    let last = r#"{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}"#;
     let few = r#"{"attributes":{"POSITION":0}}"#;
-    assert!(with(few, &[few; 1000].join(",")).is_ok());
-    says(with(few, &vec![few; 400_000].join(",")), &["unfolds to too much"]);
+    let with_zeros = SMALL
+        .replace(last, &format!("{last},{}", zeros.repeat(1000).trim_end_matches(',')))
+        .replace(few, &primitives.join(","));
+    says(read("made", &small_file(&with_zeros), None), &["unfolds to too much"]);
+    // The same positions in very many primitives, of which each may have them.
+    assert!(read_small_with(few, &[few; 1000].join(",")).is_ok());
+    says(read_small_with(few, &vec![few; 400_000].join(",")), &["unfolds to too much"]);
     // Instances with a long name.
     let name = "leaf".repeat(50_000);
     let instanced =
         format!(r#"{name}","extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":0}}}}}}"#);
     let many = format!(r#""nodes":[{{"mesh":0,"name":"{instanced}}},{{"camera":0}}"#);
     let one = r#""nodes":[{"mesh":0,"name":"leaf","extras":{"role":"occludee"}},{"camera":0}"#;
-    assert!(with(one, &many).is_ok());
+    assert!(read_small_with(one, &many).is_ok());
     let zeros = zeros.trim_end_matches(',').replace("1048576", "524288");
-    let json = json.replace(one, &many.replace(r#""TRANSLATION":0"#, r#""TRANSLATION":3"#)).replace(
-        r#"{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]"#,
-        &format!(r#"{{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}},{zeros}]"#),
-    );
-    says(read("made", &glb(&json, &small[small.len() - 68..]), None), &["too many instances for its name"]);
+    let json = SMALL
+        .replace(one, &many.replace(r#""TRANSLATION":0"#, r#""TRANSLATION":3"#))
+        .replace(last, &format!("{last},{zeros}"));
+    says(read("made", &small_file(&json), None), &["too many instances for its name"]);
 }

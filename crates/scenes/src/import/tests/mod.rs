@@ -14,21 +14,13 @@ mod files;
 mod instances;
 mod lenient;
 mod nodes;
+mod packed;
 mod parts;
 
 use parts::{F32, Parts, bytes_of, glb};
 
-/// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
-fn small_file() -> Vec<u8> {
-    small_file_with("", "")
-}
-
-/// The same with a part of its JSON replaced.
-fn small_file_with(old: &str, new: &str) -> Vec<u8> {
-    let floats: [f32; 9 + 2 + 6] =
-        [0.0, 0.0, -5.0, 1.0, 0.0, -5.0, 0.0, 1.0, -5.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
-    let bin: Vec<u8> = floats.iter().flat_map(|f| f.to_le_bytes()).collect();
-    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
+/// A document with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
+const SMALL: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
         "nodes":[{"mesh":0,"name":"leaf","extras":{"role":"occludee"}},{"camera":0}],
         "cameras":[{"type":"perspective","perspective":{"yfov":1.0,"znear":0.1}}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
@@ -41,8 +33,19 @@ fn small_file_with(old: &str, new: &str) -> Vec<u8> {
         "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":8},
             {"buffer":0,"byteOffset":44,"byteLength":24}],
         "buffers":[{"byteLength":68}]}"#;
-    assert!(json.contains(old), "{old}");
-    glb(&json.replacen(old, new, 1), &bin)
+/// The floats of its buffer.
+const SMALL_FLOATS: [f32; 9 + 2 + 6] =
+    [0.0, 0.0, -5.0, 1.0, 0.0, -5.0, 0.0, 1.0, -5.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+
+/// A .glb of this document, or one like it.
+fn small_file(json: &str) -> Vec<u8> {
+    glb(json, &bytes_of(&SMALL_FLOATS))
+}
+
+/// Reads the small file with a part of its document replaced where it stands first.
+fn read_small_with(old: &str, new: &str) -> Result<World, Trouble> {
+    assert!(SMALL.contains(old), "{old}");
+    read("small", &small_file(&SMALL.replacen(old, new, 1)), None)
 }
 
 impl Parts {

@@ -3,20 +3,10 @@
 
 pub fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
     let mut json = json.as_bytes().to_vec();
-    while !json.len().is_multiple_of(4) {
-        json.push(b' ');
-    }
-    let mut file = Vec::new();
-    let total = 12 + 8 + json.len() + 8 + bin.len();
-    for word in [0x4654_6c67, 2, total as u32, json.len() as u32, 0x4e4f_534a] {
-        file.extend(word.to_le_bytes());
-    }
-    file.extend(&json);
-    for word in [bin.len() as u32, 0x004e_4942] {
-        file.extend(word.to_le_bytes());
-    }
-    file.extend(bin);
-    file
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let words = [2, 28 + json.len() + bin.len(), json.len()].map(|word| (word as u32).to_le_bytes());
+    let length = (bin.len() as u32).to_le_bytes();
+    [b"glTF", &words.concat()[..], b"JSON", &json, &length, b"BIN\0", bin].concat()
 }
 
 /// A file in the making: what its accessors read.
