@@ -2,7 +2,7 @@
 //! writes them: unpacked without unsafe code and without C++, for pages too. Written after the text
 //! of the extension. Damaged bytes give `None`.
 
-#[cfg(test)]
+#[cfg(all(test, feature = "encoder"))]
 mod tests;
 
 /// Vertices whose bytes are packed with the same number of bits.
