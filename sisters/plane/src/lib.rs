@@ -29,19 +29,12 @@
 //! regular grid (Unicamp 2002). The thesis' own method, the set of a whole cell by extended
 //! occluders, with temporal bounding volumes, is in the example `cell`;
 //! [`FieldOfView::run_from_tile`] is exact where that is not.
-//!
-//! # Features
-//!
-//! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
-//! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.
 
 mod bits;
 mod error;
 mod geometry;
 mod grid;
 mod id;
-#[cfg(feature = "maps")]
-pub mod maps;
 mod numeric;
 mod object;
 mod point;
@@ -49,8 +42,6 @@ mod pvs;
 mod raster;
 mod scene;
 mod tiles;
-#[cfg(feature = "tiled")]
-pub mod tmx;
 mod view;
 mod visible;
 
@@ -69,15 +60,6 @@ pub use scene::Scene;
 pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileLayer, TilePoint, TileState};
 pub use view::View;
 pub use visible::visible_region;
-
-/// The bytes of a file. Pipes and devices are not opened: they may have no end.
-#[cfg(any(feature = "maps", feature = "tiled"))]
-fn file(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("is no file"));
-    }
-    std::fs::read(path)
-}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

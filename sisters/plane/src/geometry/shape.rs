@@ -46,6 +46,12 @@ impl Shape {
         }
     }
 
+    /// The rectangle around it, in world units, rounded to single precision.
+    pub fn bounds(&self) -> Rect {
+        let Block { min, max } = self.block();
+        Rect::new(min.as_vec2(), max.as_vec2())
+    }
+
     /// The rectangle around it.
     pub(crate) fn block(&self) -> Block {
         match self {

@@ -41,6 +41,8 @@ fn by_tiled(map: Vec<u8>) -> Vec<(u32, u32)> {
 #[test]
 fn the_crate_tiled_reads_the_same() {
     let mut files = maps::all();
+    // It was built without Zstandard, a library of C.
+    files.retain(|file| !String::from_utf8_lossy(file).contains("zstd"));
     files.push(std::fs::read(example("harbour.tmx")).unwrap());
     let text = String::from_utf8(files[0].clone()).unwrap();
     files.push(text.replace("farther", "walls").into_bytes());
@@ -81,16 +83,16 @@ fn the_crate_tiled_reads_the_same_objects() {
                     // The group of the layer of things is shifted by 8, and the layer by -4 pixels.
                     let shift = if &*ours.layer == "things" { Vec2::new(8., -4.) } else { Vec2::ZERO };
                     let at = (Vec2::new(theirs.x, theirs.y) + shift) / 16.;
-                    let block = ours.bounds.block();
+                    let block = ours.bounds.bounds();
                     let first = match &theirs.shape {
                         tiled::ObjectShape::Polygon { points } | tiled::ObjectShape::Polyline { points } => {
                             let shift =
                                 points.iter().fold(Vec2::INFINITY, |min, p| min.min(Vec2::new(p.0, p.1)));
-                            block.min.as_vec2() - shift / 16.
+                            block.min - shift / 16.
                         }
                         // The polygon around it has its centre.
                         tiled::ObjectShape::Ellipse { width, height } => {
-                            ((block.min + block.max) / 2.).as_vec2() - Vec2::new(*width, *height) / 32.
+                            block.min.midpoint(block.max) - Vec2::new(*width, *height) / 32.
                         }
                         // It is turned about its place: its hull has it as a corner.
                         _ => match &ours.bounds {
@@ -98,7 +100,7 @@ fn the_crate_tiled_reads_the_same_objects() {
                                 let near = |p: &&Vec2| (**p - at).length() < 1e-4;
                                 box_.corners().iter().find(near).copied().unwrap_or(Vec2::NAN)
                             }
-                            _ => block.min.as_vec2(),
+                            _ => block.min,
                         },
                     };
                     assert!((first - at).length() < 1e-6, "{} {first} {at}", ours.id);

@@ -1,13 +1,10 @@
 //! Objects of small maps: their shapes, their roles, and what is amiss with them.
 
-use glam::UVec2;
+use casca_maps::TmxObject;
+use casca_plane::{GridSpec, Polyline, Query, Scene, Segment, View};
+use glam::{IVec2, UVec2};
 
 use super::*;
-use crate::geometry::{Polyline, Segment};
-use crate::grid::GridSpec;
-use crate::point::Query;
-use crate::scene::Scene;
-use crate::view::View;
 
 /// A map of tiles of 32 by 16 pixels with some layers.
 fn map_of(orientation: &str, layers: &str) -> TmxMap {
@@ -155,7 +152,7 @@ fn warnings_name_the_object_and_the_reason() {
         ("x=\"1e12\"><point/></object>", true, "31250000000 and 0 tiles"),
         ("><capsule/></object>", true, "the shape capsule is not known"),
         (&points("polygon", "0,0 1,1"), true, "2 points"),
-        (&points("polyline", "0,0"), true, "1 points"),
+        (&points("polyline", "0,0"), true, "not 1"),
         (&points("polygon", "0,0 1,1 2"), true, "points=\"2\""),
         (&points("polyline", "0,0 1,inf"), true, "points=\"1,inf\""),
         ("type=\"opaque\" x=\"4\"/>", false, "has no size"),

@@ -1,7 +1,9 @@
 //! Which names and values in maps say that something blocks sight.
 
+use super::xml::Element;
+
 /// What blocks sight, unless [`TmxImport::walls`](super::TmxImport::walls) says otherwise.
-pub(super) const WALLS: [&str; 16] = [
+pub const WALLS: [&str; 16] = [
     "opaque",
     "wall",
     "walls",
@@ -34,7 +36,7 @@ pub enum Role {
 
 /// The names of walls and of doors, as names are compared.
 #[derive(Debug)]
-pub(super) struct Rule([(Role, Vec<String>); 2]);
+pub struct Rule([(Role, Vec<String>); 2]);
 
 impl Rule {
     pub fn new(walls: &[String], doors: &[String]) -> Self {
@@ -50,11 +52,27 @@ impl Rule {
         let known = |names: &[String]| names.iter().any(|other| *other == name || other == bare);
         self.0.iter().find(|(_, names)| known(names)).map(|(role, _)| *role)
     }
+
+    /// What the properties of an element say. One that is neither true nor false says nothing.
+    pub fn properties(&self, of: Element<'_>) -> Says {
+        let mut says = Says::default();
+        for property in of.all("properties").flat_map(Element::children) {
+            let kind = property.attribute("type").unwrap_or("string");
+            let value =
+                property.attribute("value").filter(|_| ["bool", "string", "int", "float"].contains(&kind));
+            if let Some(role) = self.role(property.attribute("name").unwrap_or_default())
+                && let Some(value) = value.and_then(truth)
+            {
+                says.add(role, value);
+            }
+        }
+        says
+    }
 }
 
 /// What properties say of an object: whether it is a wall, and a door.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Says([Option<bool>; 2]);
+pub struct Says([Option<bool>; 2]);
 
 impl Says {
     /// Adds what a property with the name of a role says. Yes is stronger than no.
@@ -94,12 +112,12 @@ impl From<Option<Role>> for Says {
 }
 
 /// A name as names are compared.
-pub(crate) fn plain(name: &str) -> String {
+pub fn plain(name: &str) -> String {
     name.chars().filter(|c| !matches!(c, ' ' | '_' | '-')).flat_map(char::to_lowercase).collect()
 }
 
 /// Whether a text says yes or no; `None` if it says neither.
-pub(super) fn truth(text: &str) -> Option<bool> {
+fn truth(text: &str) -> Option<bool> {
     match text.trim().to_ascii_lowercase().as_str() {
         "true" | "yes" | "on" => Some(true),
         "false" | "no" | "off" => Some(false),

@@ -1,9 +1,10 @@
 //! Floor plans: a rectangle is split by walls and corridors until rooms are left.
 
+use casca_plane::BitGrid;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::bits::BitGrid;
+use crate::Drawing;
 
 /// Rooms that are longer are split.
 const LONGEST: u32 = 14;
@@ -18,15 +19,6 @@ const DOOR_EVERY: u32 = 18;
 /// So many places are tried for a wall that ends at no door.
 const TRIES: u32 = 8;
 
-/// A floor plan, with its doors.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FloorPlan {
-    /// The walls. Doors are open.
-    pub walls: BitGrid,
-    /// The tiles of doors, all different.
-    pub doors: Vec<(u32, u32)>,
-}
-
 /// Free tiles between walls: columns `x..x + width` and rows `y..y + height`.
 struct Rectangle {
     x: u32,
@@ -36,13 +28,14 @@ struct Rectangle {
 }
 
 struct Builder {
-    plan: FloorPlan,
+    plan: Drawing,
     random: Pcg64Mcg,
 }
 
-impl FloorPlan {
-    /// The floor plan that [`crate::maps::MapKind::Rooms`] makes. Its outer wall has no doors.
-    pub fn generate(width: u32, height: u32, seed: u64) -> Self {
+impl Drawing {
+    /// A floor plan from a seed: rooms and corridors between walls of one tile, with doors of one
+    /// tile. One seed always gives the same.
+    pub fn rooms(width: u32, height: u32, seed: u64) -> Self {
         let mut walls = BitGrid::new(width, height);
         for y in 0..height {
             walls.set(0, y, true);
@@ -51,7 +44,7 @@ impl FloorPlan {
         walls.fill(0, 0..width);
         walls.fill(height.wrapping_sub(1), 0..width);
         let random = Pcg64Mcg::seed_from_u64(seed);
-        let mut builder = Builder { plan: FloorPlan { walls, doors: Vec::new() }, random };
+        let mut builder = Builder { plan: Drawing { walls, ..Drawing::default() }, random };
         let inner = |size: u32| size.saturating_sub(2);
         let mut open = vec![Rectangle { x: 1, y: 1, width: inner(width), height: inner(height) }];
         while let Some(rectangle) = open.pop() {

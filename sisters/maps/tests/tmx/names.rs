@@ -121,19 +121,25 @@ fn objects_take_roles_by_class_property_and_layer_in_any_case() {
 
 #[test]
 fn names_are_compared_without_capitals_blanks_and_numbers() {
-    let TmxImport { walls, doors } = TmxImport::default();
-    let rule = Rule::new(&walls, &doors);
+    let role = |import: &TmxImport, name: &str| {
+        let object = format!("<objectgroup><object type=\"{name}\" width=\"9\" height=\"9\"/></objectgroup>");
+        import.parse(map_of("", &object).as_bytes(), |path| panic!("{path}")).unwrap().objects[0].role
+    };
+    let import = TmxImport::default();
     for name in ["walls", "Walls", "WALL", "Walls 2", "wall_3", "Opaque", "BlocksSight", "blocks_sight"] {
-        assert_eq!(rule.role(name), Some(Role::Wall), "{name}");
+        assert_eq!(role(&import, name), Role::Wall, "{name}");
     }
     for name in ["Door", "DOORS", "door-1"] {
-        assert_eq!(rule.role(name), Some(Role::Door), "{name}");
+        assert_eq!(role(&import, name), Role::Door, "{name}");
     }
     for name in ["", "2", "wallpaper", "firewall", "Ground", "Collision", "no wall"] {
-        assert_eq!(rule.role(name), None, "{name}");
+        assert_eq!(role(&import, name), Role::Plain, "{name}");
     }
-    let own = Rule::new(&["Tile Layer 1".into()], &[]);
-    assert_eq!((own.role("tile layer 1"), own.role("Tile Layer 2")), (Some(Role::Wall), None));
+    let own = TmxImport { walls: vec!["Tile Layer 1".into(), "-".into()], doors: Vec::new() };
+    assert_eq!(
+        ["tile layer 1", "Tile Layer 2", ""].map(|name| role(&own, name)),
+        [Role::Wall, Role::Plain, Role::Plain]
+    );
 }
 
 #[test]

@@ -8,12 +8,10 @@ use base64::alphabet;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use flate2::bufread::{GzDecoder, ZlibDecoder};
+use ruzstd::decoding::StreamingDecoder;
 
-use super::error::TmxError;
-use super::xml::{Element, Xml};
-
-/// Deflate makes at most so many bytes of one: 258 of two bits.
-const MOST_FROM_A_BYTE: u64 = 1032;
+use super::xml::Element;
+use crate::MapError;
 
 /// Base64 with or without padding at its end.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -21,48 +19,36 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
+/// Bytes that Zstandard may look back, which it holds: those that its format asks of each reader.
+const MOST_WINDOW: u64 = 8 << 20;
+
 /// How the tiles of a layer are stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Data {
+pub enum Data {
     Csv,
     Plain,
     Zlib,
     Gzip,
+    Zstd,
 }
 
 /// Takes the ids of tiles by their numbers in the layer.
 type Take<'a> = &'a mut dyn FnMut(u64, u32);
 
 impl Data {
-    pub fn new(xml: &Xml<'_>, data: &Element<'_>) -> Result<Self, TmxError> {
-        let attribute = |name| Ok(xml.attribute(data, name)?.unwrap_or_default());
-        let (encoding, compression) = (attribute("encoding")?, attribute("compression")?);
-        match (&*encoding, &*compression) {
+    pub fn new(data: Element<'_>) -> Result<Self, MapError> {
+        let [encoding, compression] =
+            ["encoding", "compression"].map(|name| data.attribute(name).unwrap_or_default());
+        match (encoding, compression) {
             ("csv", "") => Ok(Self::Csv),
             ("base64", "") => Ok(Self::Plain),
             ("base64", "zlib") => Ok(Self::Zlib),
             ("base64", "gzip") => Ok(Self::Gzip),
-            _ => Err(xml.damaged(format!(
-                "tiles in {encoding:?} and {compression:?} are not read: choose CSV or base64, not compressed or by zlib or gzip \
-                 (Map, Map Properties, Tile Layer Format)"
+            ("base64", "zstd") => Ok(Self::Zstd),
+            _ => Err(data.damaged(format!(
+                "tiles in {encoding:?} and {compression:?} are not read: choose CSV or base64 (Map, Map Properties, \
+                 Tile Layer Format)"
             ))),
-        }
-    }
-
-    /// Checks that a text is long enough for a number of tiles.
-    pub fn check(self, text: &str, count: u64) -> Result<(), String> {
-        let length = text.len() as u64;
-        let most = match self {
-            // A digit and a comma.
-            Self::Csv => length / 2 + 1,
-            // Three bytes of four letters, and four of a tile.
-            Self::Plain => length / 16 * 3 + 3,
-            Self::Zlib | Self::Gzip => (length / 16 * 3 + 3).saturating_mul(MOST_FROM_A_BYTE),
-        };
-        if count > most {
-            Err(format!("too few tiles for its dimensions: at most {most} of {count}"))
-        } else {
-            Ok(())
         }
     }
 
@@ -74,9 +60,13 @@ impl Data {
         let letters: Vec<u8> = text.bytes().filter(|byte| !byte.is_ascii_whitespace()).collect();
         let bytes = BASE64.decode(letters).map_err(|why| why.to_string())?;
         match self {
-            Self::Zlib => binary(ZlibDecoder::new(bytes.as_slice()), count, take),
-            Self::Gzip => binary(GzDecoder::new(bytes.as_slice()), count, take),
-            _ => binary(bytes.as_slice(), count, take),
+            Self::Zlib => binary(ZlibDecoder::new(&bytes[..]), count, take),
+            Self::Gzip => binary(GzDecoder::new(&bytes[..]), count, take),
+            Self::Zstd => {
+                let decoder = StreamingDecoder::new_with_max_window_size(&bytes[..], MOST_WINDOW);
+                binary(decoder.map_err(|why| why.to_string())?, count, take)
+            }
+            _ => binary(&bytes[..], count, take),
         }
     }
 }
