@@ -115,16 +115,16 @@ fn promises_of_tilesets_cost_nothing() {
 
 #[test]
 fn layers_that_unfold_to_more_than_their_tiles_are_refused() {
-    // A quarter of a gibibyte of zeros, in a quarter of a mebibyte.
-    let map = same_tiles(0, 1 << 26);
+    // 64 MiB of zeros, in 64 KiB.
+    let map = same_tiles(0, 1 << 24);
     assert!(result(&map, maps::TILESET).unwrap_err().contains("more than the 12 tiles"));
     // As many tiles as it says.
-    let map = map.replace("width=\"4\" height=\"3\"", "width=\"8192\" height=\"8192\"");
+    let map = map.replace("width=\"4\" height=\"3\"", "width=\"4096\" height=\"4096\"");
     assert_eq!(result(&map, maps::TILESET).unwrap().count(), 0);
     // And more.
-    let map = map.replace("height=\"8192\"", "height=\"1048576\"");
+    let map = map.replace("height=\"4096\"", "height=\"1048576\"");
     assert!(result(&map, maps::TILESET).unwrap_err().contains("too few tiles"));
-    let map = map.replace("width=\"8192\" height=\"1048576\"", "width=\"1\" height=\"4294967295\"");
+    let map = map.replace("width=\"4096\" height=\"1048576\"", "width=\"1\" height=\"4294967295\"");
     assert!(result(&map, maps::TILESET).unwrap_err().contains("along a side"));
 }
 

@@ -30,6 +30,7 @@ use casca_plane::{BitGrid, Error, TileLayer};
 use glam::{I64Vec2, IVec2};
 
 use crate::{MapError, SMALL, file};
+use data::decode;
 use names::{Rule, WALLS};
 use space::{Chunk, FARTHEST, Layer, Space};
 use tileset::{TILE, Tilesets};
@@ -244,7 +245,8 @@ fn read_tiles(
                 found.walls.set(at.x as u32, at.y as u32, true);
             }
         };
-        chunk.data.decode(&chunk.element.text()?, count, take).map_err(|why| layer.damaged(why))?;
+        let text = chunk.element.text()?;
+        decode(chunk.data, &text, count, take).map_err(|why| layer.damaged(why))?;
     }
     let mut warn = |what: String| found.warnings.push(format!("the layer {:?} {what}", layer.short_name()));
     if shift.is_none() {

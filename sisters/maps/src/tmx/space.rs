@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use glam::{DMat2, DVec2, I64Vec2};
 
-use super::data::Data;
 use super::names::{Role, Rule};
 use super::xml::Element;
 use crate::MapError;
@@ -74,13 +73,12 @@ impl Space {
     /// The chunks of a layer of tiles.
     pub fn chunks<'x>(self, layer: &Layer<'x>) -> Result<Vec<Chunk<'x>>, MapError> {
         let mut chunks = Vec::new();
-        for element in layer.element.all("data") {
-            let data = Data::new(element)?;
+        for data in layer.element.all("data") {
             if let Some(size) = self.size {
-                chunks.push(Chunk { element, data, at: I64Vec2::ZERO, size });
+                chunks.push(Chunk { element: data, data, at: I64Vec2::ZERO, size });
                 continue;
             }
-            for element in element.all("chunk") {
+            for element in data.all("chunk") {
                 let [x, y] = [element.number::<i32>("x")?, element.number("y")?].map(i64::from);
                 chunks.push(Chunk { element, data, at: I64Vec2::new(x, y), size: size_of(element)? });
             }
@@ -114,7 +112,8 @@ fn size_of(element: Element<'_>) -> Result<I64Vec2, MapError> {
 #[derive(Clone, Copy)]
 pub struct Chunk<'x> {
     pub element: Element<'x>,
-    pub data: Data,
+    /// Says how its text is stored.
+    pub data: Element<'x>,
     pub at: I64Vec2,
     pub size: I64Vec2,
 }
