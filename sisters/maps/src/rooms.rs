@@ -19,105 +19,66 @@ const DOOR_EVERY: u32 = 18;
 /// So many places are tried for a wall that ends at no door.
 const TRIES: u32 = 8;
 
-/// Free tiles between walls: columns `x..x + width` and rows `y..y + height`.
+/// Free tiles between walls: the first of them, and how many along each axis.
 struct Rectangle {
-    x: u32,
-    y: u32,
-    width: u32,
-    height: u32,
-}
-
-struct Builder {
-    plan: Drawing,
-    random: Pcg64Mcg,
+    first: [u32; 2],
+    size: [u32; 2],
 }
 
 impl Drawing {
     /// A floor plan from a seed: rooms and corridors between walls of one tile, with doors of one
     /// tile. One seed always gives the same.
     pub fn rooms(width: u32, height: u32, seed: u64) -> Self {
-        let mut walls = BitGrid::new(width, height);
+        let mut plan = Self { walls: BitGrid::new(width, height), ..Self::default() };
         for y in 0..height {
-            walls.set(0, y, true);
-            walls.set(width.wrapping_sub(1), y, true);
+            plan.walls.set(0, y, true);
+            plan.walls.set(width.wrapping_sub(1), y, true);
         }
-        walls.fill(0, 0..width);
-        walls.fill(height.wrapping_sub(1), 0..width);
-        let random = Pcg64Mcg::seed_from_u64(seed);
-        let mut builder = Builder { plan: Drawing { walls, ..Drawing::default() }, random };
+        plan.walls.fill(0, 0..width);
+        plan.walls.fill(height.wrapping_sub(1), 0..width);
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
         let inner = |size: u32| size.saturating_sub(2);
-        let mut open = vec![Rectangle { x: 1, y: 1, width: inner(width), height: inner(height) }];
-        while let Some(rectangle) = open.pop() {
-            builder.split(&rectangle, &mut open);
-        }
-        builder.plan
-    }
-}
-
-impl Builder {
-    /// Splits a rectangle, across its longer side, if that is long enough.
-    fn split(&mut self, rectangle: &Rectangle, open: &mut Vec<Rectangle>) {
-        let across = rectangle.width >= rectangle.height;
-        let (length, breadth) = match across {
-            true => (rectangle.width, rectangle.height),
-            false => (rectangle.height, rectangle.width),
-        };
-        if length <= LONGEST || breadth < SHORTEST {
-            return;
-        }
-        let corridor = length > CORRIDOR;
-        let taken = if corridor { CORRIDOR_WIDTH + 2 } else { 1 };
-        let Some(at) = self.free_place(rectangle, across, length, taken) else { return };
-        self.wall(rectangle, across, at);
-        let part = |start: u32, size: u32| match across {
-            true => Rectangle { x: rectangle.x + start, width: size, ..*rectangle },
-            false => Rectangle { y: rectangle.y + start, height: size, ..*rectangle },
-        };
-        if corridor {
-            self.wall(rectangle, across, at + taken - 1);
-        }
-        open.push(part(0, at));
-        open.push(part(at + taken, length - at - taken));
-    }
-
-    /// A place for walls that meets no door at its ends.
-    fn free_place(&mut self, rectangle: &Rectangle, across: bool, length: u32, taken: u32) -> Option<u32> {
-        let last = (length - taken).checked_sub(SHORTEST).filter(|&last| last >= SHORTEST)?;
-        let walls = &self.plan.walls;
-        let ends_at_walls = |at: u32| match across {
-            true => {
-                let x = rectangle.x + at;
-                walls.get(x, rectangle.y - 1) && walls.get(x, rectangle.y + rectangle.height)
+        let mut open = vec![Rectangle { first: [1, 1], size: [inner(width), inner(height)] }];
+        while let Some(Rectangle { first, size }) = open.pop() {
+            // It is split across its longer side.
+            let along = usize::from(size[0] < size[1]);
+            let (length, breadth) = (size[along], size[1 - along]);
+            if length <= LONGEST || breadth < SHORTEST {
+                continue;
             }
-            false => {
-                let y = rectangle.y + at;
-                walls.get(rectangle.x - 1, y) && walls.get(rectangle.x + rectangle.width, y)
+            let tile = |at: u32, across: u32| match along {
+                0 => (first[0] + at, first[1].wrapping_add(across)),
+                _ => (first[0].wrapping_add(across), first[1] + at),
+            };
+            let is_wall = |walls: &BitGrid, (x, y)| walls.get(x, y);
+            // A place for one wall, or for the two of a corridor, that meets no door at its ends.
+            let taken = if length > CORRIDOR { CORRIDOR_WIDTH + 2 } else { 1 };
+            let last = (length - taken).checked_sub(SHORTEST).filter(|&last| last >= SHORTEST);
+            let Some(last) = last else { continue };
+            let ends = |at: u32| [tile(at, u32::MAX), tile(at, breadth)];
+            let ends_at_walls = |at: u32| ends(at).into_iter().all(|end| is_wall(&plan.walls, end));
+            let mut places = (0..TRIES).map(|_| random.random_range(SHORTEST..=last));
+            let place = places.find(|&at| ends_at_walls(at) && ends_at_walls(at + taken - 1));
+            let Some(at) = place else { continue };
+            for at in [at, at + taken - 1].into_iter().take(taken.min(2) as usize) {
+                (0..breadth).map(|across| tile(at, across)).for_each(|(x, y)| plan.walls.set(x, y, true));
+                for _ in 0..(breadth / DOOR_EVERY).max(1) {
+                    let across = random.random_range(0..breadth);
+                    // Doors stand apart.
+                    let beside = [across.wrapping_sub(1), across, across + 1];
+                    if beside.into_iter().all(|across| is_wall(&plan.walls, tile(at, across))) {
+                        let (x, y) = tile(at, across);
+                        plan.walls.set(x, y, false);
+                        plan.doors.push((x, y));
+                    }
+                }
             }
-        };
-        (0..TRIES)
-            .map(|_| self.random.random_range(SHORTEST..=last))
-            .find(|&at| ends_at_walls(at) && ends_at_walls(at + taken - 1))
-    }
-
-    /// A wall through a rectangle, with doors.
-    fn wall(&mut self, rectangle: &Rectangle, across: bool, at: u32) {
-        let breadth = if across { rectangle.height } else { rectangle.width };
-        let tile = |along: u32| match across {
-            true => (rectangle.x + at, rectangle.y + along),
-            false => (rectangle.x + along, rectangle.y + at),
-        };
-        for (x, y) in (0..breadth).map(tile) {
-            self.plan.walls.set(x, y, true);
-        }
-        for _ in 0..(breadth / DOOR_EVERY).max(1) {
-            let (x, y) = tile(self.random.random_range(0..breadth));
-            let walls = &mut self.plan.walls;
-            // Doors stand apart.
-            let aside = if across { [(x, y - 1), (x, y + 1)] } else { [(x - 1, y), (x + 1, y)] };
-            if walls.get(x, y) && aside.into_iter().all(|(x, y)| walls.get(x, y)) {
-                walls.set(x, y, false);
-                self.plan.doors.push((x, y));
+            for (start, length) in [(0, at), (at + taken, length - at - taken)] {
+                let (mut first, mut size) = (first, size);
+                (first[along], size[along]) = (first[along] + start, length);
+                open.push(Rectangle { first, size });
             }
         }
+        plan
     }
 }

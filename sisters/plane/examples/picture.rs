@@ -2,13 +2,13 @@
 //! that it sees, and the hidden ones.
 //!
 //! ```sh
-//! cargo run --release -p casca-plane --features maps --example picture -- ../docs/plane.svg
+//! cargo run --release -p casca-plane --example picture -- ../docs/plane.svg
 //! ```
 
 use std::error::Error;
 use std::fmt::Write;
 
-use casca_plane::maps::{Drawing, HARBOUR};
+use casca_maps::{Drawing, HARBOUR};
 use casca_plane::{
     Disc, FieldOfView, FovOptions, GridSpec, ObjectDesc, Query, Scene, TileLayer, TilePoint, View,
 };

@@ -36,7 +36,6 @@ mod geometry;
 mod grid;
 mod id;
 mod numeric;
-mod object;
 mod point;
 mod pvs;
 mod raster;
@@ -50,13 +49,11 @@ pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
 /// The version of glam whose types these functions take and give.
 pub use glam;
-
 pub use grid::{GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;
-pub use object::ObjectDesc;
 pub use point::Query;
 pub use pvs::{Pvs, PvsChanges, Stats};
-pub use scene::Scene;
+pub use scene::{ObjectDesc, Scene};
 pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileLayer, TilePoint, TileState};
 pub use view::View;
 pub use visible::visible_region;

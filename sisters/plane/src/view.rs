@@ -47,8 +47,7 @@ impl View {
     pub fn sector(eye: Vec2, direction: Vec2, half_angle: f32) -> Result<Self, Error> {
         let view = Self::all_round(eye)?;
         finite2("the direction", direction)?;
-        let direction = direction.as_dvec2().try_normalize();
-        let direction = direction.ok_or(Error::NoDirection { what: "the direction" })?;
+        let direction = direction.as_dvec2().try_normalize().ok_or(Error::NoDirection)?;
         let half_angle = f64::from(half_angle);
         // The nearest number to π in single precision lies above it.
         let most = f64::from(std::f32::consts::PI);
@@ -134,7 +133,7 @@ mod tests {
     #[test]
     fn refuses_what_is_no_view() {
         assert!(matches!(View::all_round(Vec2::NAN), Err(Error::NotFinite { .. })));
-        assert!(matches!(View::sector(Vec2::ZERO, Vec2::ZERO, 1.0), Err(Error::NoDirection { .. })));
+        assert!(matches!(View::sector(Vec2::ZERO, Vec2::ZERO, 1.0), Err(Error::NoDirection)));
         for half in [-0.1, 3.2, f32::NAN] {
             assert!(matches!(View::sector(Vec2::ZERO, Vec2::X, half), Err(Error::Range { .. })), "{half}");
         }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use casca_maps::{HARBOUR, MapError, Role, TmxImport, TmxMap};
+use casca_maps::{MapError, Role, TmxImport, TmxMap};
 use casca_plane::{BitGrid, Disc, Rect, Shape};
 use glam::Vec2;
 
@@ -27,50 +27,6 @@ fn map(text: &str) -> Result<TmxMap, MapError> {
 
 fn why(text: &str) -> String {
     map(text).unwrap_err().to_string()
-}
-
-#[test]
-fn properties_and_layers_block() {
-    let walls = TmxImport::default().read(example("harbour.tmx")).unwrap().walls;
-    for (y, line) in (0..).zip(HARBOUR.lines()) {
-        for (x, letter) in (0..).zip(line.bytes()) {
-            assert_eq!(walls.get(x, y), letter == b'#', "tile ({x}, {y})");
-        }
-    }
-    let count = |name: &str| {
-        let import = TmxImport { walls: vec![name.into()], ..TmxImport::default() };
-        import.read(example("harbour.tmx")).unwrap().walls.count()
-    };
-    let (by_property, by_layer) = (count("opaque"), count("walls"));
-    assert_eq!(by_property + by_layer, walls.count());
-    assert!(by_property > 0 && by_layer > 0);
-}
-
-#[test]
-fn objects_are_those_of_the_drawing() {
-    let drawn = |letter: u8| {
-        let lines = (0..).zip(HARBOUR.lines());
-        let tiles = lines.flat_map(|(y, line)| (0..).zip(line.bytes()).map(move |(x, tile)| (x, y, tile)));
-        tiles
-            .filter(move |t| t.2 == letter)
-            .map(|(x, y, _)| Vec2::new(x as f32, y as f32))
-            .collect::<Vec<_>>()
-    };
-    let map = TmxImport::default().read(example("harbour.tmx")).unwrap();
-    assert!(map.warnings.is_empty());
-    let found = |class: &'static str| map.objects.iter().filter(move |object| object.class == class);
-    let doors = found("door").map(|door| (door.role, door.occluder.clone().unwrap()));
-    let drawn_doors =
-        drawn(b'+').into_iter().map(|at| (Role::Door, Shape::from(Rect::new(at, at + Vec2::ONE))));
-    assert!(doors.eq(drawn_doors));
-    for (class, letter) in [("guard", b'g'), ("start", b'@')] {
-        let places = found(class).map(|object| object.bounds.clone());
-        assert!(
-            places.eq(drawn(letter).into_iter().map(|at| Shape::from(Disc::new(at + 0.5, 0.0)))),
-            "{class}"
-        );
-    }
-    assert_eq!(map.objects.len(), [b'+', b'g', b'@'].map(|letter| drawn(letter).len()).iter().sum::<usize>());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use casca_slots::Slot;
 use glam::{DVec2, IVec2};
 
-use crate::geometry::{Segment, Shape, orient};
+use crate::geometry::{Block, Segment, Shape, orient};
 use crate::point::arcs::{Arc, Arcs, Circle, between};
 use crate::point::covers::Covers;
 use crate::point::shells::Shells;
@@ -109,7 +109,7 @@ impl Walk {
     pub(crate) fn take(&mut self, walls: &[Segment], view: &View) {
         self.clear();
         self.walls.reserve(walls.len());
-        let near = |wall: &&Segment| view.reaches(&wall.block());
+        let near = |wall: &&Segment| view.reaches(&Block::around(&[wall.a, wall.b]));
         let sides = walls.iter().filter(near).map(|wall| [wall.a, wall.b].map(|p| p.as_dvec2()));
         self.walls.extend(sides.filter_map(|[a, b]| Wall::new(view.eye(), a, b, NOBODY)));
     }
