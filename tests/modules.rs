@@ -12,11 +12,12 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 18] = [
+const ROOTS: [&str; 19] = [
     "src",
     "crates/scenes/src",
     "crates/truth/src",
     "crates/lab/src",
+    "sisters/maps/src",
     "sisters/plane/src",
     "sisters/points/src",
     "sisters/lines/src",
@@ -37,7 +38,7 @@ const ROOTS: [&str; 18] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 28] = [
+const MOST: [(&str, usize); 29] = [
     ("src", 41600),
     ("tests", 11850),
     ("crates/cache", 400),
@@ -51,7 +52,8 @@ const MOST: [(&str, usize); 28] = [
     ("sisters/light", 9750),
     ("sisters/lines", 8750),
     ("sisters/lit", 550),
-    ("sisters/plane", 11950),
+    ("sisters/maps", 2450),
+    ("sisters/plane", 8350),
     ("sisters/points", 8750),
     ("fronts/bake", 2250),
     ("fronts/baked", 1150),
