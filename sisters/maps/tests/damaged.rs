@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::sync::{Mutex, PoisonError};
 
-use casca_maps::{MapError, TmxImport, TmxMap};
+use casca_maps::{TmxImport, TmxMap};
 use casca_plane::{BitGrid, GridSpec, Scene};
 use glam::{UVec2, Vec2};
 use peak_alloc::PeakAlloc;
@@ -21,11 +21,6 @@ static HEAP: PeakAlloc = PeakAlloc;
 /// The tests run one after the other: the allocator counts for all.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Reads a map, with a tileset beside it.
-fn read(map: &[u8], tileset: &[u8]) -> Result<BitGrid, MapError> {
-    TmxImport::default().parse(map, |_| Ok(tileset.to_vec())).map(|map| map.walls)
-}
-
 #[test]
 fn damaged_maps_are_read_or_refused() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -37,8 +32,9 @@ fn damaged_maps_are_read_or_refused() {
     let mut objects = 0;
     damage::survive(&HEAP, "maps", &files, 6000, &|_| (), &mut |bytes| {
         // A map, or the tileset of one.
+        let read = |map: &[u8], tileset: &[u8]| TmxImport::default().parse(map, |_| Ok(tileset.to_vec()));
         drop(read(&files[0], bytes));
-        let Ok(map) = TmxImport::default().parse(bytes, |_| Ok(maps::TILESET.into())) else { return };
+        let Ok(map) = read(bytes, maps::TILESET.as_bytes()) else { return };
         objects += insert(&map);
     });
     assert!(objects > 500, "{objects}: some maps keep theirs");
@@ -51,19 +47,29 @@ fn insert(map: &TmxMap) -> usize {
     scene.len()
 }
 
-/// Reads the objects of a map within the limits, and puts them into a scene.
+/// Reads a map with objects in a layer, and puts them into a scene; gives how many objects and
+/// warnings there are.
 fn read_objects(layer: &str, objects: &str) -> (usize, usize) {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let map = maps::map("encoding=\"csv\"", &maps::csv());
     let text = format!("<objectgroup name=\"{layer}\">{objects}</objectgroup></map>");
-    let map = map.replace("</map>", &text);
-    let mut found = (0, 0);
+    let map = within_limits(&map.replace("</map>", &text), maps::TILESET).unwrap();
+    (map.objects.len(), map.warnings.len())
+}
+
+/// Reads a map and its tileset, and puts its objects into a scene, within the limits.
+fn within_limits(map: &str, tileset: &str) -> Result<TmxMap, String> {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut result = Err(String::new());
     damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
-        let map = TmxImport::default().parse(map, |_| Ok(maps::TILESET.into())).unwrap();
-        insert(&map);
-        found = (map.objects.len(), map.warnings.len());
+        let read = TmxImport::default().parse(map, |_| Ok(tileset.as_bytes().to_vec()));
+        result = read.inspect(|map| _ = insert(map)).map_err(|why| why.to_string());
     });
-    found
+    result
+}
+
+/// As [`within_limits`], the walls alone.
+fn result(map: &str, tileset: &str) -> Result<BitGrid, String> {
+    within_limits(map, tileset).map(|map| map.walls)
 }
 
 #[test]
@@ -91,16 +97,6 @@ fn objects_cost_what_their_bytes_do() {
     let groups =
         format!("<x/></objectgroup>{}{}<objectgroup>", "<group>".repeat(90_000), "</group>".repeat(90_000));
     assert_eq!(read_objects("o", &groups), (1, 0));
-}
-
-/// Reads a map and its tileset within the limits.
-fn result(map: &str, tileset: &str) -> Result<BitGrid, String> {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut result = Err(String::new());
-    damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
-        result = read(map, tileset.as_bytes()).map_err(|why| why.to_string());
-    });
-    result
 }
 
 #[test]

@@ -42,7 +42,6 @@ mod raster;
 mod scene;
 mod tiles;
 mod view;
-mod visible;
 
 pub use bits::BitGrid;
 pub use error::Error;
@@ -51,12 +50,11 @@ pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Sha
 pub use glam;
 pub use grid::{GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;
-pub use point::Query;
+pub use point::{Query, visible_region};
 pub use pvs::{Pvs, PvsChanges, Stats};
 pub use scene::{ObjectDesc, Scene};
 pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileLayer, TilePoint, TileState};
 pub use view::View;
-pub use visible::visible_region;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -59,7 +59,7 @@ const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The lower and the upper line of a row of cells, with the margin of touching.
 fn strip(grid: &Grid, row: i32) -> (f64, f64) {
-    let margin = TOUCH * grid.cell_size();
+    let margin = TOUCH * grid.cell;
     (grid.line(1, row) - margin, grid.line(1, row + 1) + margin)
 }
 
@@ -73,12 +73,12 @@ fn columns(grid: &Grid, from: f64, to: f64) -> RangeInclusive<i32> {
 
 /// The cells of the grid that an interval along an axis touches; none if it is empty.
 fn cells_along(grid: &Grid, axis: usize, from: f64, to: f64) -> RangeInclusive<i32> {
-    let margin = TOUCH * grid.cell_size();
+    let margin = TOUCH * grid.cell;
     if from > to {
         return RangeInclusive::new(1, 0);
     }
     let (first, last) = (grid.cell_along(axis, from - margin), grid.cell_along(axis, to + margin));
-    first.max(0)..=last.min(grid.dims()[axis] - 1)
+    first.max(0)..=last.min(grid.dims[axis] - 1)
 }
 
 /// The interval of x that a segment covers between two values of y.

@@ -110,39 +110,33 @@ pub fn print(map: &BitGrid) {
         step(map, &mut random, &mut eye);
         let viewer = eye.place.floor().as_ivec2();
         let seen = Walk::run(map, viewer, true).seen;
-        let (mut hidden, mut drawn, mut revealed, mut due, mut validity) = (0, 0, 0, 0, 0.0);
         for walker in &mut walkers {
             step(map, &mut random, walker);
             if let Some(volume) = walker.volume.take() {
                 if volume.is_seen(&seen, viewer) {
-                    revealed += 1;
+                    sums[2] += 1.0;
                     walker.validity = (walker.validity * SHORTER).max(VALIDITY[1]);
                 } else if volume.expires > now {
                     walker.volume = Some(volume);
                 } else {
-                    due += 1;
-                    if volume.full {
-                        walker.validity = (walker.validity * LONGER).min(VALIDITY[2]);
-                    }
+                    sums[3] += 1.0;
+                    walker.validity *= if volume.full { LONGER } else { 1.0 };
+                    walker.validity = walker.validity.min(VALIDITY[2]);
                 }
             }
             let is_seen = touched(walker.place).any(|cell| seen.get(cell.x as u32, cell.y as u32));
             assert!(!is_seen || walker.volume.is_none(), "an object is seen whose volume is not");
             if !is_seen && walker.volume.is_none() {
                 walker.volume = Volume::around(walker, viewer, now);
-                drawn += u32::from(walker.volume.is_some());
+                sums[1] += f64::from(u32::from(walker.volume.is_some()));
             }
-            hidden += u32::from(!is_seen);
-            validity += walker.validity / f64::from(OBJECTS);
+            sums[0] += f64::from(u32::from(!is_seen));
+            sums[4] += walker.validity / f64::from(OBJECTS);
         }
-        let numbers = [hidden, drawn, revealed, due].map(f64::from);
-        sums.iter_mut().zip(numbers.into_iter().chain([validity])).for_each(|(sum, number)| *sum += number);
         if frame % 120 == 0 {
             let [hidden, drawn, revealed, due, validity] = sums.map(|sum| sum / 120.0);
-            println!(
-                "| {} to {frame} | {hidden:.0} | {drawn:.1} | {revealed:.1} | {due:.1} | {validity:.2} |",
-                frame - 119
-            );
+            let frames = format!("{} to {frame}", frame - 119);
+            println!("| {frames} | {hidden:.0} | {drawn:.1} | {revealed:.1} | {due:.1} | {validity:.2} |");
             sums = [0.0; 5];
         }
     }

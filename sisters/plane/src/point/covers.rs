@@ -14,9 +14,10 @@ use crate::point::wall::Wall;
 /// Open directions, and the walls that may close more of them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Covers {
-    /// Sorted by quarter and direction; disjoint.
-    open: Vec<Arc>,
-    view: Vec<Arc>,
+    /// The arcs in which the eye may see beyond the square, sorted by quarter and direction; disjoint.
+    pub(crate) open: Vec<Arc>,
+    /// All arcs of the view.
+    pub(crate) view: Vec<Arc>,
     /// Arcs that are closed, and not yet taken out of `open`.
     closed: Vec<Arc>,
     waiting: Vec<Waiting>,
@@ -45,20 +46,10 @@ impl Covers {
         self.waiting.clear();
     }
 
-    /// The arcs in which the eye may see beyond the square.
-    pub(crate) fn open(&self) -> &[Arc] {
-        &self.open
-    }
-
     /// Whether much of the view is still open.
     pub(crate) fn is_wide(&self) -> bool {
         let sum = |arcs: &[Arc]| arcs.iter().map(|arc| arc.to.key - arc.from.key).sum::<f64>();
         sum(&self.open) >= WIDE * sum(&self.view)
-    }
-
-    /// All arcs of the view.
-    pub(crate) fn view(&self) -> &[Arc] {
-        &self.view
     }
 
     /// Whether some directions of a wall may be open.

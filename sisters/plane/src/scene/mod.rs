@@ -80,11 +80,13 @@ impl ObjectDesc {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Scene {
-    grid: Grid,
+    pub(crate) grid: Grid,
     slots: Slots<Object>,
-    lists: CellLists,
-    /// The slots of objects that are in no cells, as they are too large or leave the grid.
-    outer: Vec<Slot>,
+    /// The objects that touch each cell.
+    pub(crate) lists: CellLists,
+    /// The slots of objects that are in no cells, as they are too large or leave the grid: every
+    /// query looks at them.
+    pub(crate) outer: Vec<Slot>,
 }
 
 /// An object in its slot.
@@ -211,15 +213,10 @@ impl Scene {
         if !grid.surrounds(block.min, block.max) {
             return true;
         }
-        let most = 4 * (grid.dims().x + grid.dims().y) as u64;
+        let most = 4 * (grid.dims.x + grid.dims.y) as u64;
         let mut cells = 0;
         touched(bounds, grid, &mut |_, xs| cells += xs.count() as u64);
         cells > most
-    }
-
-    /// The grid.
-    pub(crate) fn grid(&self) -> &Grid {
-        &self.grid
     }
 
     /// Number of objects.
@@ -243,17 +240,6 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn user_data(&self, id: ObjectId) -> Result<u64, Error> {
         Ok(self.find(id)?.user_data)
-    }
-
-    /// The objects that touch each cell.
-    pub(crate) fn lists(&self) -> &CellLists {
-        &self.lists
-    }
-
-    /// The objects that are in no cells, as they are too large or leave the grid: every query looks
-    /// at them.
-    pub(crate) fn outer(&self) -> &[Slot] {
-        &self.outer
     }
 
     /// Number of slots: all slots of objects are below.

@@ -9,7 +9,6 @@ mod fov;
 mod octant;
 mod opaque;
 mod options;
-mod scan;
 mod sweep;
 mod tile_sweep;
 

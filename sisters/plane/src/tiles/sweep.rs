@@ -8,9 +8,8 @@
 
 use crate::bits::BitGrid;
 use crate::numeric::tiles::TILE;
-use crate::tiles::octant::{Beam, Octant, Ray, Sink};
+use crate::tiles::octant::{Beam, Octant, Ray, Row, Sink};
 use crate::tiles::options::{FovOptions, Range};
-use crate::tiles::scan::Row;
 
 /// The memory of sweeps.
 #[derive(Debug, Clone, Default)]
