@@ -1,8 +1,4 @@
-//! Maps for [`casca_plane`]: the tiles that block sight, and the shapes that are drawn over them.
-//!
-//! - [`TmxImport`] reads levels of the editor [Tiled](https://www.mapeditor.org) (`.tmx`).
-//! - [`Drawing`] is a map with doors, guards and a start: drawn with letters, from a file of either
-//!   kind, or a floor plan from a seed.
+#![doc = include_str!("../README.md")]
 
 mod drawing;
 mod rooms;
@@ -61,7 +57,3 @@ fn utf8<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, MapError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     str::from_utf8(bytes).map_err(|_| MapError::damaged(file, 1, "it is no text in UTF-8"))
 }
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

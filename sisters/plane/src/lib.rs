@@ -3,27 +3,11 @@
 //!
 //! The planar twin of [casca](https://docs.rs/casca), with the same words.
 //!
-//! # Tiles
-//!
-//! [`FieldOfView`] finds the tiles that an eye sees on a map of [`OpaqueTiles`], exactly; [`Fog`]
-//! remembers them for a group of viewers.
-//!
-//! ```
-//! use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
-//!
-//! let mut walls = BitGrid::new(16, 8);
-//! walls.fill(4, 0..12);
-//! let mut fov = FieldOfView::new();
-//! let seen = fov.run(&OpaqueTiles::new(walls), TilePoint::center_of(3, 2), &FovOptions::default());
-//! assert!(seen.get(3, 4) && !seen.get(3, 6), "the wall is seen, and no tile behind it");
-//! ```
-//!
-//! # Objects
-//!
-//! A [`Scene`] keeps objects of any [`Shape`] on a grid. A [`Query`] finds those that a [`View`]
-//! sees, exactly, and the visible region for light and fog ([`Query::polygon`]). It costs the
-//! objects and walls in sight. Objects move by [`Scene::update`], which costs the cells that they
-//! touch, seen or not.
+//! - [`FieldOfView`] finds the tiles that an eye sees on a map of [`OpaqueTiles`], exactly; [`Fog`]
+//!   remembers them for a group of viewers.
+//! - A [`Scene`] keeps objects of any [`Shape`] on a grid. A [`Query`] finds those that a [`View`]
+//!   sees, exactly, and the visible region for light and fog ([`Query::polygon`]). It costs the
+//!   objects and walls in sight. [`Scene::update`] costs the cells that an object touches.
 //!
 //! The walk is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on a
 //! regular grid (Unicamp 2002). The thesis' own method, the set of a whole cell by extended

@@ -1,9 +1,5 @@
-//! Maps of the editor [Tiled](https://www.mapeditor.org) (`.tmx` files): which of their tiles block
-//! sight, and the objects that are drawn over them.
-//!
-//! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers
-//! of tiles and of objects with a shape, also those in groups. Memory is reserved in proportion to
-//! the bytes of the files and the bits of the result, whatever the files promise.
+//! Levels of the editor Tiled (`.tmx`): which of their tiles block sight, and the objects that are
+//! drawn over them.
 
 // The tree of elements is made by `roxmltree`. Not all by the crate `tiled` (0.16): files end the
 // process that reads them by it, or take any memory.
@@ -75,38 +71,11 @@ impl TmxMap {
     }
 }
 
-/// Reads maps. What blocks sight in them is said by names, each in one of these places:
-///
-/// | name of | what hides |
-/// |---|---|
-/// | a layer or a group of layers, or its class | all tiles and objects in it |
-/// | a property of a layer or a group, if it is true | all tiles and objects in it |
-/// | a property of a tile that is true, or its class | the tile |
-/// | a class of an object, or a property of it that is true | the object |
-///
-/// Capitals, blanks, `_`, `-` and a number at the end of a name in a map do not count: `Walls 2` is
-/// `walls`. A property says yes with `true`, `yes`, `on` and numbers but 0, and no with `false`,
-/// `no`, `off` and 0.
-///
-/// Properties of an object count before its class, this before its layer. A property that is false
-/// takes the role away that the next ones would give. In a layer of walls all tiles hide. What is
-/// both is a door. Names of doors make doors of objects; tiles of layers are no doors.
+/// Reads levels of Tiled. What blocks sight in them is said by [names](crate#what-hides-in-a-level).
 ///
 /// Shapes that tilesets draw on their tiles ("Tile Collision Editor") are not read. As they may be
 /// smaller than the tile, the class of such a tile does not make it hide, and nothing does if one
 /// of the shapes is a door; there is a warning.
-///
-/// ```no_run
-/// use casca_plane::OpaqueTiles;
-/// use casca_maps::TmxImport;
-///
-/// # fn main() -> Result<(), casca_maps::MapError> {
-/// let import = TmxImport { walls: vec!["hedge".into(), "rock".into()], ..TmxImport::default() };
-/// let walls = OpaqueTiles::new(import.read("level_1.tmx")?.walls);
-/// # let _ = walls;
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TmxImport {
     /// What blocks sight; at first `opaque`, `wall`, `walls`, `occluder`, `occluders`, `occlusion`,

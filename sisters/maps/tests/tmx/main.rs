@@ -145,7 +145,7 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
             );
             map(&text).unwrap().walls.cells().map(|(id, _)| id).collect::<Vec<_>>()
         };
-        let last = |id: u32| (0..4).zip(firsts).filter(|&(_, first)| first <= id).last();
+        let last = |id: u32| (0..4).zip(firsts).rfind(|&(_, first)| first <= id);
         let in_any: Vec<u32> = (1..12).filter(|&id| last(id).is_some()).collect();
         assert_eq!(blocks("walls"), in_any, "{firsts:?}");
         let says_so = |id: &u32| last(*id).is_some_and(|(number, first)| id - first == number);

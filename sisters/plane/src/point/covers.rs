@@ -19,7 +19,7 @@ pub(crate) struct Covers {
     /// All arcs of the view.
     pub(crate) view: Vec<Arc>,
     /// Arcs that are closed, and not yet taken out of `open`.
-    closed: Vec<Arc>,
+    pub(crate) closed: Vec<Arc>,
     waiting: Vec<Waiting>,
     /// Memory used again.
     rest: Vec<Arc>,
@@ -55,11 +55,6 @@ impl Covers {
     /// Whether some directions of a wall may be open.
     pub(crate) fn may_show(&self, circle: &Circle, wall: &Wall) -> bool {
         wall.arcs(circle).any(|arc| meets(circle.eye, &self.open, &arc))
-    }
-
-    /// Closes arcs at the eye.
-    pub(crate) fn block(&mut self, blocked: &[Arc]) {
-        self.closed.extend_from_slice(blocked);
     }
 
     /// Takes notice of a wall.
@@ -119,7 +114,7 @@ fn meets(eye: DVec2, open: &[Arc], arc: &Arc) -> bool {
 /// that is not known.
 fn inside(eye: DVec2, wall: &Wall, shells: &Shells, shell: i32) -> Option<[DVec2; 2]> {
     let [a, b] = [wall.a, wall.b];
-    let inset = CLIPPED * shells.cell_size();
+    let inset = CLIPPED * shells.grid.cell;
     let (min, max) = shells.square(shell);
     let square = Block { min: min + inset, max: max - inset };
     let u = b - a;

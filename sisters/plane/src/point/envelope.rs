@@ -215,11 +215,6 @@ impl Layers {
         }
     }
 
-    /// How many layers there are.
-    fn count(&self) -> usize {
-        self.ends.len()
-    }
-
     /// The items of a layer, in their order.
     fn items<'a>(&'a self, layer: usize, items: &'a [Item]) -> impl Iterator<Item = &'a Item> {
         let first = Some(self.ends[layer][0]);
@@ -286,7 +281,7 @@ fn merge_all(
     now.steps.reserve(2 * sorted.len() + MORE);
     next.steps.reserve(2 * sorted.len() + MORE);
     layers.build(eye, items, sorted);
-    for layer in 0..layers.count() {
+    for layer in 0..layers.ends.len() {
         // Where the part before ends.
         let mut at = arc.from;
         for item in layers.items(layer, items) {

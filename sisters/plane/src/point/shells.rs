@@ -13,7 +13,7 @@ const FAR: i32 = 1 << 24;
 /// The shells of cells around an eye.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shells<'a> {
-    grid: &'a Grid,
+    pub(crate) grid: &'a Grid,
     eye: DVec2,
     /// The eye's cell.
     cell: IVec2,
@@ -44,11 +44,6 @@ impl<'a> Shells<'a> {
     /// The corners of the square of the shells up to one.
     pub(crate) fn square(&self, shell: i32) -> (DVec2, DVec2) {
         (self.grid.cell_bounds(self.cell - shell).0, self.grid.cell_bounds(self.cell + shell).1)
-    }
-
-    /// Edge length of a cell.
-    pub(crate) fn cell_size(&self) -> f64 {
-        self.grid.cell
     }
 
     /// A shell whose square contains a point: the first, or the one after it. A point on the upper

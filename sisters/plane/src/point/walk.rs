@@ -84,7 +84,7 @@ impl Walk {
             }
             if shell == 0 {
                 self.visit(scene, scene.grid.cell_of(eye), circle, stats);
-                self.covers.block(&self.blocked);
+                self.covers.closed.extend_from_slice(&self.blocked);
             } else {
                 let covers = std::mem::take(&mut self.covers);
                 let visit = &mut |cell| self.visit(scene, cell, circle, stats);
@@ -151,19 +151,15 @@ impl Walk {
             stats.eye_in_occluder = true;
         } else {
             let first = self.walls.len();
-            self.add(occluder, owner, circle);
+            if occluder.contains(circle.eye) {
+                self.blocked.extend(into_solid(occluder, circle));
+            }
+            let eye = circle.eye;
+            occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b, owner)));
             if owner != NOBODY && matches!(occluder, Shape::Segment(_)) && first < self.walls.len() {
                 self.own[owner as usize] = first as u32;
             }
         }
-    }
-
-    fn add(&mut self, occluder: &Shape, owner: u32, circle: &Circle) {
-        if occluder.contains(circle.eye) {
-            self.blocked.extend(into_solid(occluder, circle));
-        }
-        let eye = circle.eye;
-        occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b, owner)));
     }
 }
 
@@ -178,20 +174,12 @@ fn are_few(scene: &Scene, view: &View) -> bool {
 /// The directions from an eye on the border of a solid into it; nothing for discs, which hide
 /// nothing from eyes that may be inside.
 fn into_solid(shape: &Shape, circle: &Circle) -> Arcs {
-    match shape {
-        Shape::Rect(rect) if rect.min.cmplt(rect.max).all() => {
-            into_ring(&rect.corners().map(|p| p.as_dvec2()), circle)
-        }
-        Shape::Polygon(polygon) => {
-            let corners: Vec<DVec2> = polygon.corners().iter().map(|p| p.as_dvec2()).collect();
-            into_ring(&corners, circle)
-        }
-        _ => Arcs::new(),
-    }
-}
-
-/// As [`into_solid`], for a convex ring that runs counterclockwise.
-fn into_ring(corners: &[DVec2], circle: &Circle) -> Arcs {
+    // Counterclockwise.
+    let corners: Vec<DVec2> = match shape {
+        Shape::Rect(rect) if rect.min.cmplt(rect.max).all() => rect.corners().map(|p| p.as_dvec2()).into(),
+        Shape::Polygon(polygon) => polygon.corners().iter().map(|p| p.as_dvec2()).collect(),
+        _ => return Arcs::new(),
+    };
     let (eye, count) = (circle.eye, corners.len());
     for i in 0..count {
         let (before, at, after) = (corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count]);

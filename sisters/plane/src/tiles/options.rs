@@ -33,16 +33,6 @@ impl TilePoint {
         Self { units: [x, y].map(|at| i64::from(at) * TILE + TILE / 2) }
     }
 
-    /// The x of the position, rounded to double precision.
-    pub fn x(self) -> f64 {
-        self.units[0] as f64 / TILE as f64
-    }
-
-    /// The y of the position, rounded to double precision.
-    pub fn y(self) -> f64 {
-        self.units[1] as f64 / TILE as f64
-    }
-
     /// The coordinates in units of 1 / [`TILE`].
     pub(super) fn units(self) -> [i64; 2] {
         self.units
