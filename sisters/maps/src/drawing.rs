@@ -78,8 +78,8 @@ impl Drawing {
         let is_prose = 2 * words > all && LETTERS_OF_A_WALL * walls < all;
         if is_prose || text.trim_start().starts_with('{') || shown().any(|c| c.is_ascii_control()) {
             return refused(
-                "it is no map: those of Tiled are saved as .tmx (not as JSON), and those drawn with letters have \
-                 walls (#)",
+                "it is no map: those of Tiled are saved as .tmx (not as JSON), and those drawn with letters \
+                 have walls (#)",
             );
         }
         // Old files end lines with a carriage return alone.

@@ -9,7 +9,7 @@ use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 use ruzstd::decoding::StreamingDecoder;
 
-use super::xml::Element;
+use super::xml::{Element, FORMATS};
 
 /// Base64 with or without padding at its end.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -32,10 +32,7 @@ pub fn decode(
         ["encoding", "compression"].map(|name| data.attribute(name).unwrap_or_default());
     let packed = if encoding == "base64" { &["", "zlib", "gzip", "zstd"][..] } else { &[""] };
     if !["csv", "base64"].contains(&encoding) || !packed.contains(&compression) {
-        return Err(format!(
-            "tiles in {encoding:?} and {compression:?} are not read: choose CSV or base64 (Map, Map Properties, \
-             Tile Layer Format)"
-        ));
+        return Err(format!("tiles in {encoding:?} and {compression:?} are not read: {FORMATS}"));
     }
     let letters = text.bytes().filter(|byte| encoding == "base64" && !byte.is_ascii_whitespace());
     let bytes = BASE64.decode(letters.collect::<Vec<u8>>()).map_err(|why| why.to_string())?;

@@ -97,14 +97,15 @@ impl TmxImport {
     ///
     /// The walls are those of a rectangle around all layers of tiles, which may begin left of or
     /// above the map. Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip,
-    /// Zstandard or not at all. Tiles that no tileset has, and layers that are shifted by parts of a tile, block
-    /// nothing, and there is a warning for them. Objects are read from all layers; the shifts of
-    /// layers and groups count, by parts of tiles, too. Costs the bytes of the files and the tiles.
+    /// Zstandard or not at all. Tiles that no tileset has, and layers that are shifted by parts of a
+    /// tile, block nothing, and there is a warning for them. Objects are read from all layers; the
+    /// shifts of layers and groups count, by parts of tiles, too. Costs the bytes of the files and
+    /// the tiles.
     ///
     /// # Errors
     /// A file that is missing or damaged, a staggered map or one of hexagons, one whose tiles are
-    /// stored in another way, and one whose rectangle would have more than 2^24 tiles and four times as many as all
-    /// layers together.
+    /// stored in another way, and one whose rectangle would have more than 2^24 tiles and four times
+    /// as many as all layers together; more than 2^26 tiles, and 258 for each byte of the file.
     pub fn read(&self, path: impl AsRef<Path>) -> Result<TmxMap, MapError> {
         let path = path.as_ref();
         let name = path.display().to_string();
@@ -179,8 +180,8 @@ impl TmxImport {
         }
         if found.walls.count() == 0 && found.objects.iter().all(|object| object.role == Role::Plain) {
             found.warnings.push(
-                "nothing blocks sight: what hides are layers named \"walls\", and what has the class \"wall\" or \
-                 a property \"opaque\" that is true (TmxImport::walls takes other names)"
+                "nothing blocks sight: what hides are layers named \"walls\", and what has the class \"wall\" \
+                 or a property \"opaque\" that is true (TmxImport::walls takes other names)"
                     .into(),
             );
         }

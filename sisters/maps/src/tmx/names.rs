@@ -5,8 +5,8 @@ use super::xml::Element;
 /// What blocks sight, unless [`TmxImport::walls`](super::TmxImport::walls) says otherwise.
 #[rustfmt::skip]
 pub const WALLS: [&str; 16] = [
-    "opaque", "wall", "walls", "occluder", "occluders", "occlusion", "blocks sight", "block sight", "blocks view",
-    "block view", "blocks vision", "block vision", "blocks light", "block light", "blocks los", "block los",
+    "opaque", "wall", "walls", "occluder", "occluders", "occlusion", "blocks sight", "block sight",
+    "blocks view", "block view", "blocks vision", "block vision", "blocks light", "block light", "blocks los", "block los",
 ];
 
 /// Whether an object of a map hides what is behind it.

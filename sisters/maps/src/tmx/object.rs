@@ -93,8 +93,8 @@ pub fn read(
     }
     if passed > 0 {
         warnings.push(format!(
-            "the layer {name:?} has {passed} objects with pictures or of templates: these are not read, and hide \
-             nothing"
+            "the layer {name:?} has {passed} objects with pictures or of templates: these are not read, and \
+             hide nothing"
         ));
     }
 }

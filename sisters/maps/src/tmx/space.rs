@@ -34,8 +34,8 @@ impl Space {
         let orientation = map.required("orientation")?;
         if !["orthogonal", "isometric"].contains(&orientation) {
             return Err(map.damaged(format!(
-                "the map is {orientation:.40}, but only orthogonal and isometric maps have rows and columns of squares: \
-                 choose one (Map, Map Properties, Orientation)"
+                "the map is {orientation:.40}, but only orthogonal and isometric maps have rows and columns of \
+                 squares: choose one (Map, Map Properties, Orientation)"
             )));
         }
         let size = if map.attribute("infinite") == Some("1") { None } else { Some(size_of(map)?) };

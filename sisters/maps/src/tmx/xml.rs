@@ -12,6 +12,9 @@ use crate::{MapError, utf8};
 const MOST_ATTRIBUTES: usize = 1000;
 const MOST_NAMESPACES: usize = 100;
 
+/// What to do where tiles are stored in another way.
+pub const FORMATS: &str = "choose CSV or base64 (Map, Map Properties, Tile Layer Format)";
+
 /// Makes the tree of a file. Costs about a hundred bytes for each byte of it, at most, in any depth.
 pub fn tree<'a>(bytes: &'a [u8], file: &str) -> Result<Document<'a>, MapError> {
     let text = utf8(bytes, file)?;
@@ -68,7 +71,9 @@ impl<'a> Element<'a> {
     /// Its text, which has no elements inside.
     pub fn text(self) -> Result<String, MapError> {
         match self.children().next() {
-            Some(child) => Err(child.damaged("there are elements where a text should be")),
+            Some(child) => {
+                Err(child.damaged(format!("there are elements where a text should be: {FORMATS}")))
+            }
             None => Ok(self.node.children().filter(Node::is_text).filter_map(|part| part.text()).collect()),
         }
     }
