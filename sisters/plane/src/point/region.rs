@@ -41,41 +41,33 @@ impl<'a> Region<'a> {
 
     /// Whether one of the pieces in some arcs, clipped to these, satisfies a test.
     fn any(&self, arcs: impl Iterator<Item = Arc>, mut test: impl FnMut(&Piece) -> bool) -> bool {
-        let eye = self.around.eye;
-        for part in arcs {
-            for domain in self.envelope.domains.iter().filter(|domain| domain.arc.quarter == part.quarter) {
-                let part = part.clipped(eye, &domain.arc);
-                let meet = order(eye, &part.from, &part.to).is_le();
-                if meet && self.any_in(domain, [part.from.into(), part.to.into()], &mut test) {
-                    return true;
+        let around = &self.around;
+        for arc in arcs {
+            for domain in self.envelope.domains.iter().filter(|domain| domain.arc.quarter == arc.quarter) {
+                let part = arc.clipped(around.eye, &domain.arc);
+                if order(around.eye, &part.from, &part.to).is_gt() {
+                    continue;
+                }
+                let [from, to] = [part.from, part.to].map(Direction::from);
+                let steps = &self.envelope.steps[domain.steps.clone()];
+                // The first piece that does not end before.
+                let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
+                let first = steps.partition_point(before).saturating_sub(1);
+                let reached = (first..steps.len()).take_while(|&i| around.turn(&steps[i].from, &to) >= 0.0);
+                for mut piece in reached.map(|i| domain.piece(steps, i)) {
+                    if around.turn(&piece.from, &from) > 0.0 {
+                        piece.from = from;
+                    }
+                    if around.turn(&piece.to, &to) <= 0.0 {
+                        piece.to = to;
+                    }
+                    if around.turn(&piece.from, &piece.to) >= 0.0 && test(&piece) {
+                        return true;
+                    }
                 }
             }
         }
         false
-    }
-
-    /// As [`Region::any`], for directions in a domain.
-    fn any_in(
-        &self,
-        domain: &Domain,
-        [from, to]: [Direction; 2],
-        test: &mut impl FnMut(&Piece) -> bool,
-    ) -> bool {
-        let steps = &self.envelope.steps[domain.steps.clone()];
-        let around = &self.around;
-        // The first piece that does not end before.
-        let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
-        let first = steps.partition_point(before).saturating_sub(1);
-        let reached = (first..steps.len()).take_while(|&i| around.turn(&steps[i].from, &to) >= 0.0);
-        reached.map(|i| domain.piece(steps, i)).any(|mut piece| {
-            if around.turn(&piece.from, &from) > 0.0 {
-                piece.from = from;
-            }
-            if around.turn(&piece.to, &to) <= 0.0 {
-                piece.to = to;
-            }
-            around.turn(&piece.from, &piece.to) >= 0.0 && test(&piece)
-        })
     }
 
     /// Whether a point belongs to the region.
@@ -151,13 +143,6 @@ impl<'a> Region<'a> {
         distance(DVec2::ZERO, a, b) <= self.range + doubt
     }
 
-    fn meets_disc(&self, disc: &Disc) -> bool {
-        let [from, to] = disc_sides(self.around.eye, disc);
-        self.any(touching(self.around.circle, from, to), |piece| {
-            disc_meets(&self.around, self.range, disc, piece)
-        })
-    }
-
     /// Whether a shape meets the region.
     pub(crate) fn meets(&self, shape: &Shape) -> bool {
         let eye = self.around.eye;
@@ -165,7 +150,9 @@ impl<'a> Region<'a> {
             return !self.is_empty();
         }
         if let Shape::Disc(disc) = shape {
-            return self.meets_disc(disc);
+            let [from, to] = disc_sides(eye, disc);
+            let meets = |piece: &Piece| disc_meets(&self.around, self.range, disc, piece);
+            return self.any(touching(self.around.circle, from, to), meets);
         }
         let mut met = false;
         shape.front_sides(eye, |a, b| met = met || self.meets_segment(a, b));

@@ -170,7 +170,9 @@ fn mark_octant<const MIRROR: bool>(
     eyes: Eyes,
     options: &FovOptions,
 ) {
-    let mut marker = Marker::<MIRROR>::new(&mut marks.bits, octant.flip_y);
+    let none = Range { start: usize::MAX, end: 0 };
+    let (bits, flip_y) = (&mut marks.bits, octant.flip_y);
+    let mut marker = Marker::<MIRROR> { bits, flip_y, y: 0, columns: none.clone(), rows: none };
     match eyes {
         Eyes::At(eye) => sweep.run::<MIRROR>(tiles, octant, eye, options, &mut marker),
         Eyes::In(tile) => tile_sweep.run::<MIRROR>(tiles, octant, tile, options.range, &mut marker),
@@ -190,12 +192,7 @@ struct Marker<'a, const MIRROR: bool> {
     rows: Range<usize>,
 }
 
-impl<'a, const MIRROR: bool> Marker<'a, MIRROR> {
-    fn new(bits: &'a mut BitGrid, flip_y: bool) -> Self {
-        let none = Range { start: usize::MAX, end: 0 };
-        Self { bits, flip_y, y: 0, columns: none.clone(), rows: none }
-    }
-
+impl<const MIRROR: bool> Marker<'_, MIRROR> {
     /// The columns and rows of the map that hold the marks.
     fn bounds(&self) -> (Range<u32>, Range<u32>) {
         let part = |range: &Range<usize>, size: u32, flip: bool| {
