@@ -1,6 +1,6 @@
 //! The tiles of a layer: as text, or in base64 and compressed.
 
-use std::io::{self, BufReader, ErrorKind, Read};
+use std::io::{BufReader, ErrorKind, Read};
 
 use base64::Engine;
 use base64::alphabet;
@@ -30,8 +30,12 @@ pub fn decode(
 ) -> Result<(), String> {
     let [encoding, compression] =
         ["encoding", "compression"].map(|name| data.attribute(name).unwrap_or_default());
-    let packed = if encoding == "base64" { &["", "zlib", "gzip", "zstd"][..] } else { &[""] };
-    if !["csv", "base64"].contains(&encoding) || !packed.contains(&compression) {
+    let is_known = match encoding {
+        "csv" => compression.is_empty(),
+        "base64" => ["", "zlib", "gzip", "zstd"].contains(&compression),
+        _ => false,
+    };
+    if !is_known {
         return Err(format!("tiles in {encoding:?} and {compression:?} are not read: {FORMATS}"));
     }
     let letters = text.bytes().filter(|byte| encoding == "base64" && !byte.is_ascii_whitespace());
@@ -64,11 +68,12 @@ fn csv(text: &str) -> impl Iterator<Item = Result<u32, String>> {
 /// Numbers of 32 bits, little-endian.
 fn words(bytes: impl Read) -> impl Iterator<Item = Result<u32, String>> {
     let mut bytes = BufReader::new(bytes);
-    let mut next = move || {
+    std::iter::from_fn(move || {
         let mut word = [0; 4];
-        bytes.read_exact(&mut word).map(|()| u32::from_le_bytes(word))
-    };
-    let is_end = |why: &io::Error| why.kind() == ErrorKind::UnexpectedEof;
-    std::iter::from_fn(move || Some(next()).filter(|word| !word.as_ref().is_err_and(is_end)))
-        .map(|word| word.map_err(|why| why.to_string()))
+        match bytes.read_exact(&mut word) {
+            Ok(()) => Some(Ok(u32::from_le_bytes(word))),
+            Err(why) if why.kind() == ErrorKind::UnexpectedEof => None,
+            Err(why) => Some(Err(why.to_string())),
+        }
+    })
 }
