@@ -12,11 +12,12 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 18] = [
+const ROOTS: [&str; 19] = [
     "src",
     "crates/scenes/src",
     "crates/truth/src",
     "crates/lab/src",
+    "sisters/maps/src",
     "sisters/plane/src",
     "sisters/points/src",
     "sisters/lines/src",
@@ -52,7 +53,8 @@ const MOST: [(&str, usize); 29] = [
     ("sisters/light", 9750),
     ("sisters/lines", 8750),
     ("sisters/lit", 550),
-    ("sisters/plane", 11950),
+    ("sisters/maps", 2400),
+    ("sisters/plane", 8100),
     ("sisters/points", 8750),
     ("fronts/bake", 2250),
     ("fronts/baked", 1150),

@@ -14,7 +14,7 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use casca::TriMesh;
 use casca_baked::{Baked, Cells, Writer};
-use casca_plane::tmx::TmxImport;
+use casca_maps::TmxImport;
 use casca_points::PointCloud;
 use casca_points::bricks::{Bricks, Loader, Want};
 use casca_points::files::{FileError, read_source};
@@ -27,7 +27,7 @@ mod clouds;
 mod damage;
 #[path = "../../sisters/lines/tests/files/mod.rs"]
 mod lines;
-#[path = "../../sisters/plane/tests/maps/mod.rs"]
+#[path = "../../sisters/maps/tests/files/mod.rs"]
 mod maps;
 #[path = "../../tests/damage/meshes.rs"]
 mod meshes;

@@ -2,13 +2,12 @@
 //! that it sees, and the hidden ones.
 //!
 //! ```sh
-//! cargo run --release -p casca-plane --features maps --example picture -- ../docs/plane.svg
+//! cargo run --release -p casca-plane --example picture -- ../docs/plane.svg
 //! ```
 
 use std::error::Error;
-use std::fmt::Write;
 
-use casca_plane::maps::{Drawing, HARBOUR};
+use casca_maps::{Drawing, HARBOUR};
 use casca_plane::{
     Disc, FieldOfView, FovOptions, GridSpec, ObjectDesc, Query, Scene, TileLayer, TilePoint, View,
 };
@@ -52,64 +51,36 @@ fn main() -> Result<(), Box<dyn Error>> {
     let at = TilePoint::new(eye.x.into(), eye.y.into())?;
     let seen = fov.run(layer.opaque(), at, &FovOptions::default());
 
-    let mut svg = Svg::new(dims);
-    svg.squares(seen.cells().filter(|&(x, y)| !layer.opaque().get(x, y)), SEEN);
-    svg.polygon(&query.polygon(), REGION);
-    let (lit, dark): (Vec<_>, Vec<_>) = layer.opaque().bits().cells().partition(|&(x, y)| seen.get(x, y));
-    svg.squares(lit.into_iter(), SEEN_WALL);
-    svg.squares(dark.into_iter(), HIDDEN_WALL);
-    for &(at, id) in &guards {
-        svg.disc(at, RADIUS, if query.pvs().contains(id) { VISIBLE } else { CULLED });
-    }
-    svg.disc(eye, 0.5, "#d02060");
-    std::fs::write(file, svg.finished())?;
-    Ok(())
-}
-
-/// A drawing in pixels.
-struct Svg(String);
-
-impl Svg {
-    fn new(dims: UVec2) -> Self {
-        let size = dims.as_vec2() * TILE;
-        Self(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {x} {y}\">\n\
-             <rect width=\"{x}\" height=\"{y}\" fill=\"{HIDDEN}\"/>\n",
-            x = size.x,
-            y = size.y
-        ))
-    }
-
-    /// Squares inside tiles, smaller by a margin at each side.
-    fn squares(&mut self, tiles: impl Iterator<Item = (u32, u32)>, color: &str) {
+    // Squares inside tiles, smaller by a margin at each side.
+    let squares = |tiles: &mut dyn Iterator<Item = (u32, u32)>, color: &str| {
         const MARGIN: f32 = 0.3;
         let side = TILE - 2.0 * MARGIN;
-        let path: String = tiles
-            .map(|(x, y)| UVec2::new(x, y).as_vec2() * TILE + MARGIN)
-            .map(|at| format!("M{} {}h{side}v{side}h-{side}z", at.x, at.y))
-            .collect();
-        let _ = writeln!(self.0, "<path d=\"{path}\" fill=\"{color}\"/>");
-    }
-
-    fn polygon(&mut self, corners: &[Vec2], color: &str) {
-        let points: String =
-            corners.iter().map(|at| format!("{:.2},{:.2} ", at.x * TILE, at.y * TILE)).collect();
-        let _ = writeln!(
-            self.0,
-            "<polygon points=\"{}\" fill=\"{color}\" fill-opacity=\"0.85\"/>",
-            points.trim_end()
-        );
-    }
-
-    fn disc(&mut self, at: Vec2, radius: f32, color: &str) {
+        let corners = tiles.map(|(x, y)| UVec2::new(x, y).as_vec2() * TILE + MARGIN);
+        let path: String = corners.map(|at| format!("M{} {}h{side}v{side}h-{side}z", at.x, at.y)).collect();
+        format!("<path d=\"{path}\" fill=\"{color}\"/>\n")
+    };
+    let disc = |at: Vec2, radius: f32, color: &str| {
         let (x, y, radius) = (at.x * TILE, at.y * TILE, radius * TILE);
-        let _ = writeln!(
-            self.0,
-            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{color}\" stroke=\"#111\" stroke-width=\"1\"/>"
-        );
+        format!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{color}\" stroke=\"#111\" stroke-width=\"1\"/>\n"
+        )
+    };
+    let Vec2 { x, y } = dims.as_vec2() * TILE;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {x} {y}\">\n\
+         <rect width=\"{x}\" height=\"{y}\" fill=\"{HIDDEN}\"/>\n"
+    );
+    svg += &squares(&mut seen.cells().filter(|&(x, y)| !layer.opaque().get(x, y)), SEEN);
+    let corner = |at: Vec2| format!("{:.2},{:.2}", at.x * TILE, at.y * TILE);
+    let region = query.polygon().into_iter().map(corner).collect::<Vec<_>>().join(" ");
+    svg += &format!("<polygon points=\"{region}\" fill=\"{REGION}\" fill-opacity=\"0.85\"/>\n");
+    let walls = || layer.opaque().bits().cells();
+    svg += &squares(&mut walls().filter(|&(x, y)| seen.get(x, y)), SEEN_WALL);
+    svg += &squares(&mut walls().filter(|&(x, y)| !seen.get(x, y)), HIDDEN_WALL);
+    for (at, id) in guards {
+        svg += &disc(at, RADIUS, if query.pvs().contains(id) { VISIBLE } else { CULLED });
     }
-
-    fn finished(self) -> String {
-        self.0 + "</svg>\n"
-    }
+    svg += &disc(eye, 0.5, "#d02060");
+    std::fs::write(file, svg + "</svg>\n")?;
+    Ok(())
 }

@@ -59,11 +59,6 @@ impl BitGrid {
         fill(self.row_mut(y), first as usize, end as usize);
     }
 
-    /// Clears all bits.
-    pub fn clear(&mut self) {
-        self.words.fill(0);
-    }
-
     /// The words of a row: cell `x` is bit `x % 64` of word `x / 64`. Bits beyond the width are
     /// clear.
     pub fn row(&self, y: u32) -> &[u64] {
@@ -219,7 +214,5 @@ mod tests {
         assert_eq!((bits.count(), bits.get(9, 0), bits.get(10, 0), bits.get(0, 7)), (2, true, false, false));
         assert_eq!((bits.row(5), bits.next_set(0, 5), BitGrid::new(0, 0).count()), (&[][..], 10, 0));
         assert_eq!((bits.next_set(10, 0), bits.next_clear(8, 0), bits.next_clear(99, 0)), (10, 10, 10));
-        bits.clear();
-        assert_eq!(bits.count(), 0);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use glam::Vec2;
+use glam::{UVec2, Vec2};
 
 use crate::id::ObjectId;
 
@@ -29,11 +29,8 @@ pub enum Error {
         max: Vec2,
     },
     /// A direction without length.
-    #[error("{what} must not be zero")]
-    NoDirection {
-        /// The argument.
-        what: &'static str,
-    },
+    #[error("the direction must not be zero")]
+    NoDirection,
     /// Points whose hull has no area.
     #[error("the convex polygon has no area: its {points} points lie on a line")]
     FlatPolygon {
@@ -71,29 +68,21 @@ pub enum Error {
     /// An update without occluder of an object that has one.
     #[error("{0} has an occluder: update it with the occluder, or take that away by Scene::set_occluder")]
     OccluderMissing(ObjectId),
-    /// A grid of other dimensions than those of the map.
-    #[error("the tiles are {found_width} by {found_height}, but those of the map {width} by {height}")]
+    /// A grid of other dimensions than those of the map: columns and rows.
+    #[error("the tiles are {} by {}, but those of the map {} by {}", found.x, found.y, map.x, map.y)]
     Dimensions {
-        /// The columns of the grid.
-        found_width: u32,
-        /// The rows of the grid.
-        found_height: u32,
-        /// The columns of the map.
-        width: u32,
-        /// The rows of the map.
-        height: u32,
+        /// Those of the grid.
+        found: UVec2,
+        /// Those of the map.
+        map: UVec2,
     },
     /// A tile that the grid does not have.
-    #[error("the tile ({x}, {y}) lies outside of the grid of {width} by {height} tiles")]
+    #[error("the tile ({}, {}) lies outside of the grid of {} by {} tiles", tile.x, tile.y, size.x, size.y)]
     Outside {
-        /// The column.
-        x: u32,
-        /// The row.
-        y: u32,
-        /// The columns of the grid.
-        width: u32,
-        /// The rows of the grid.
-        height: u32,
+        /// Its column and row.
+        tile: UVec2,
+        /// The columns and rows of the grid.
+        size: UVec2,
     },
     /// A number is out of its range.
     #[error("{what} must lie between {} and {}, not {}", Short(*min), Short(*max), Short(*value))]

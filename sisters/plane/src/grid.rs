@@ -53,9 +53,12 @@ impl GridSpec {
 /// coordinates below 0 or from [`Grid::dims`] on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Grid {
-    origin: DVec2,
-    cell: f64,
-    dims: IVec2,
+    /// Least corner in world units.
+    pub(crate) min: DVec2,
+    /// Edge length of a cell.
+    pub(crate) cell: f64,
+    /// Cells along each axis.
+    pub(crate) dims: IVec2,
 }
 
 impl Grid {
@@ -80,37 +83,22 @@ impl Grid {
         if units.abs().max_element() > 2f64.powi(51) {
             return Err(Error::GridTooFar { min: spec.min, cell: spec.cell });
         }
-        Ok(Self { origin: units * unit, cell, dims: spec.dims.as_ivec2() })
-    }
-
-    /// Least corner in world units.
-    pub(crate) fn min(&self) -> DVec2 {
-        self.origin
+        Ok(Self { min: units * unit, cell, dims: spec.dims.as_ivec2() })
     }
 
     /// Greatest corner in world units.
     pub(crate) fn max(&self) -> DVec2 {
-        self.origin + self.dims.as_dvec2() * self.cell
-    }
-
-    /// Edge length of a cell.
-    pub(crate) fn cell_size(&self) -> f64 {
-        self.cell
-    }
-
-    /// Cells along each axis.
-    pub(crate) fn dims(&self) -> IVec2 {
-        self.dims
+        self.min + self.dims.as_dvec2() * self.cell
     }
 
     /// World coordinate of line `i` across `axis`: the lower side of cell `i`.
     pub(crate) fn line(&self, axis: usize, i: i32) -> f64 {
-        self.origin[axis] + f64::from(i) * self.cell
+        self.min[axis] + f64::from(i) * self.cell
     }
 
     /// The least and the greatest corner of a cell.
     pub(crate) fn cell_bounds(&self, cell: IVec2) -> (DVec2, DVec2) {
-        (self.origin + cell.as_dvec2() * self.cell, self.origin + (cell + 1).as_dvec2() * self.cell)
+        (self.min + cell.as_dvec2() * self.cell, self.min + (cell + 1).as_dvec2() * self.cell)
     }
 
     /// The cell that contains `point`, inside the grid or not; a point on a side belongs to the
@@ -121,7 +109,7 @@ impl Grid {
 
     /// [`Grid::cell_of`] along one axis.
     pub(crate) fn cell_along(&self, axis: usize, p: f64) -> i32 {
-        let guess = ((p - self.origin[axis]) / self.cell).clamp(-FAR_CELLS, FAR_CELLS).floor();
+        let guess = ((p - self.min[axis]) / self.cell).clamp(-FAR_CELLS, FAR_CELLS).floor();
         let i = guess as i32;
         // The quotient may be off by one rounding: the lines decide.
         if self.line(axis, i) > p && guess > -FAR_CELLS {
@@ -135,7 +123,7 @@ impl Grid {
 
     /// Whether the closed rectangle from `min` to `max` lies in the interior of the grid.
     pub(crate) fn surrounds(&self, min: DVec2, max: DVec2) -> bool {
-        min.cmpgt(self.min()).all() && max.cmplt(self.max()).all()
+        min.cmpgt(self.min).all() && max.cmplt(self.max()).all()
     }
 }
 
@@ -180,7 +168,7 @@ mod tests {
         for (lo, hi, cell) in [(0.0, 10.0, 1.0), (-3.3, 7.7, 0.1), (1000.1, 1000.2, 0.05), (5.0, 5.0, 1.0)] {
             let spec = GridSpec::covering(Rect::new(Vec2::splat(lo), Vec2::splat(hi)), cell).unwrap();
             let g = Grid::new(&spec).unwrap();
-            assert!(g.min().x <= f64::from(lo) && g.max().x >= f64::from(hi), "{spec:?}");
+            assert!(g.min.x <= f64::from(lo) && g.max().x >= f64::from(hi), "{spec:?}");
         }
         let huge = Rect::new(Vec2::splat(-3e38), Vec2::splat(3e38));
         assert!(GridSpec::covering(huge, 1e-30).is_err());

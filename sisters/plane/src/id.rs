@@ -6,7 +6,7 @@ use casca_slots::{Id, Slot};
 
 /// Names an object of one scene. An id is never used again: after removal it is an error wherever
 /// it is passed, as is an id of another scene.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectId(pub(crate) Id);
 
 impl ObjectId {
@@ -19,12 +19,6 @@ impl ObjectId {
     /// Where the scene stores the object.
     pub(crate) fn slot(self) -> Slot {
         self.0.slot()
-    }
-}
-
-impl fmt::Debug for ObjectId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "ObjectId({self})")
     }
 }
 

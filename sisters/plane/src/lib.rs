@@ -3,81 +3,42 @@
 //!
 //! The planar twin of [casca](https://docs.rs/casca), with the same words.
 //!
-//! # Tiles
-//!
-//! [`FieldOfView`] finds the tiles that an eye sees on a map of [`OpaqueTiles`], exactly; [`Fog`]
-//! remembers them for a group of viewers.
-//!
-//! ```
-//! use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
-//!
-//! let mut walls = BitGrid::new(16, 8);
-//! walls.fill(4, 0..12);
-//! let mut fov = FieldOfView::new();
-//! let seen = fov.run(&OpaqueTiles::new(walls), TilePoint::center_of(3, 2), &FovOptions::default());
-//! assert!(seen.get(3, 4) && !seen.get(3, 6), "the wall is seen, and no tile behind it");
-//! ```
-//!
-//! # Objects
-//!
-//! A [`Scene`] keeps objects of any [`Shape`] on a grid. A [`Query`] finds those that a [`View`]
-//! sees, exactly, and the visible region for light and fog ([`Query::polygon`]). It costs the
-//! objects and walls in sight. Objects move by [`Scene::update`], which costs the cells that they
-//! touch, seen or not.
+//! - [`FieldOfView`] finds the tiles that an eye sees on a map of [`OpaqueTiles`], exactly; [`Fog`]
+//!   remembers them for a group of viewers.
+//! - A [`Scene`] keeps objects of any [`Shape`] on a grid. A [`Query`] finds those that a [`View`]
+//!   sees, exactly, and the visible region for light and fog ([`Query::polygon`]). It costs the
+//!   objects and walls in sight. [`Scene::update`] costs the cells that an object touches.
 //!
 //! The walk is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on a
 //! regular grid (Unicamp 2002). The thesis' own method, the set of a whole cell by extended
 //! occluders, with temporal bounding volumes, is in the example `cell`;
 //! [`FieldOfView::run_from_tile`] is exact where that is not.
-//!
-//! # Features
-//!
-//! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
-//! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.
 
 mod bits;
 mod error;
 mod geometry;
 mod grid;
 mod id;
-#[cfg(feature = "maps")]
-pub mod maps;
 mod numeric;
-mod object;
 mod point;
 mod pvs;
 mod raster;
 mod scene;
 mod tiles;
-#[cfg(feature = "tiled")]
-pub mod tmx;
 mod view;
-mod visible;
 
 pub use bits::BitGrid;
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
 /// The version of glam whose types these functions take and give.
 pub use glam;
-
 pub use grid::{GridSpec, MAX_CELLS_PER_AXIS};
 pub use id::ObjectId;
-pub use object::ObjectDesc;
-pub use point::Query;
+pub use point::{Query, visible_region};
 pub use pvs::{Pvs, PvsChanges, Stats};
-pub use scene::Scene;
+pub use scene::{ObjectDesc, Scene};
 pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileLayer, TilePoint, TileState};
 pub use view::View;
-pub use visible::visible_region;
-
-/// The bytes of a file. Pipes and devices are not opened: they may have no end.
-#[cfg(any(feature = "maps", feature = "tiled"))]
-fn file(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("is no file"));
-    }
-    std::fs::read(path)
-}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -79,13 +79,6 @@ pub(crate) const BOTH_AXES: f64 = 2.0;
 /// multiplied by 2^25 at most.
 pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;
 
-// Maps of Tiled.
-
-/// An ellipse is round if its axes differ by this share of their length, or as much from a right
-/// angle: thousands of roundings of turns, and less than one to single precision.
-#[cfg(feature = "tiled")]
-pub(crate) const ROUND: f64 = 1e-9;
-
 // Tiles.
 
 /// Field of view on tiles.

@@ -13,14 +13,14 @@ use crate::numeric::TOUCH;
 /// shape touches, also those that it touches from outside. Cells of one row may come several times.
 /// The shape must lie inside the grid.
 pub(crate) fn touched(shape: &Shape, grid: &Grid, run: &mut impl FnMut(i32, RangeInclusive<i32>)) {
+    let block = shape.block();
     match shape {
-        Shape::Rect(rect) => {
-            let block = rect.block();
+        Shape::Rect(_) => {
             rows(grid, &block).for_each(|row| run(row, columns(grid, block.min.x, block.max.x)));
         }
         Shape::Disc(disc) => {
             let (center, radius) = (disc.center.as_dvec2(), f64::from(disc.radius));
-            for row in rows(grid, &disc.block()) {
+            for row in rows(grid, &block) {
                 let (low, high) = strip(grid, row);
                 let off = (low - center.y).max(center.y - high).max(0.0);
                 let half = (radius * radius - off * off).max(0.0).sqrt();
@@ -28,7 +28,7 @@ pub(crate) fn touched(shape: &Shape, grid: &Grid, run: &mut impl FnMut(i32, Rang
             }
         }
         Shape::Polygon(polygon) => {
-            let all = rows(grid, &polygon.block());
+            let all = rows(grid, &block);
             let mut spans = vec![EMPTY; all.clone().count()];
             for side in ring(polygon.corners()) {
                 for row in rows(grid, &Block::EMPTY.with(side.0).with(side.1)) {
@@ -59,7 +59,7 @@ const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The lower and the upper line of a row of cells, with the margin of touching.
 fn strip(grid: &Grid, row: i32) -> (f64, f64) {
-    let margin = TOUCH * grid.cell_size();
+    let margin = TOUCH * grid.cell;
     (grid.line(1, row) - margin, grid.line(1, row + 1) + margin)
 }
 
@@ -73,12 +73,12 @@ fn columns(grid: &Grid, from: f64, to: f64) -> RangeInclusive<i32> {
 
 /// The cells of the grid that an interval along an axis touches; none if it is empty.
 fn cells_along(grid: &Grid, axis: usize, from: f64, to: f64) -> RangeInclusive<i32> {
-    let margin = TOUCH * grid.cell_size();
+    let margin = TOUCH * grid.cell;
     if from > to {
         return RangeInclusive::new(1, 0);
     }
     let (first, last) = (grid.cell_along(axis, from - margin), grid.cell_along(axis, to + margin));
-    first.max(0)..=last.min(grid.dims()[axis] - 1)
+    first.max(0)..=last.min(grid.dims[axis] - 1)
 }
 
 /// The interval of x that a segment covers between two values of y.

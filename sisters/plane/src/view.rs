@@ -13,17 +13,10 @@ use crate::numeric::{DISTANCE, TILT, WHOLE};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     eye: DVec2,
-    sector: Option<Sector>,
+    /// The direction of a view that does not look all round, of length 1, and the half angle around
+    /// it in radians, less than half a turn.
+    sector: Option<(DVec2, f64)>,
     range: Option<f64>,
-}
-
-/// The directions of a view that does not look all round.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Sector {
-    /// Of length 1.
-    direction: DVec2,
-    /// In radians, less than half a turn.
-    half_angle: f64,
 }
 
 impl View {
@@ -47,14 +40,13 @@ impl View {
     pub fn sector(eye: Vec2, direction: Vec2, half_angle: f32) -> Result<Self, Error> {
         let view = Self::all_round(eye)?;
         finite2("the direction", direction)?;
-        let direction = direction.as_dvec2().try_normalize();
-        let direction = direction.ok_or(Error::NoDirection { what: "the direction" })?;
+        let direction = direction.as_dvec2().try_normalize().ok_or(Error::NoDirection)?;
         let half_angle = f64::from(half_angle);
         // The nearest number to π in single precision lies above it.
         let most = f64::from(std::f32::consts::PI);
         within("the half angle in radians", half_angle, [0.0, most])?;
         let whole = half_angle + WHOLE >= PI;
-        Ok(Self { sector: (!whole).then_some(Sector { direction, half_angle }), ..view })
+        Ok(Self { sector: (!whole).then_some((direction, half_angle)), ..view })
     }
 
     /// The same view as far as `range` world units from the eye, the circle included.
@@ -73,12 +65,12 @@ impl View {
 
     /// The direction of a sector, of length 1; `None` for a view all round.
     pub fn direction(&self) -> Option<DVec2> {
-        self.sector.map(|sector| sector.direction)
+        self.sector.map(|(direction, _)| direction)
     }
 
     /// The half angle of a sector in radians; half a turn for a view all round.
     pub fn half_angle(&self) -> f64 {
-        self.sector.map_or(PI, |sector| sector.half_angle)
+        self.sector.map_or(PI, |(_, half_angle)| half_angle)
     }
 
     /// How far the view goes from the eye, in world units, if it ends.
@@ -95,7 +87,7 @@ impl View {
     /// Points on the two sides of a sector, the first and the last counterclockwise; the directions
     /// to these points are the sides, exactly.
     pub(crate) fn sides(&self) -> Option<[DVec2; 2]> {
-        let Sector { direction, half_angle } = self.sector?;
+        let (direction, half_angle) = self.sector?;
         let angle = half_angle + TILT;
         Some([-angle, angle].map(|angle| point_along(self.eye, DVec2::from_angle(angle).rotate(direction))))
     }
@@ -134,7 +126,7 @@ mod tests {
     #[test]
     fn refuses_what_is_no_view() {
         assert!(matches!(View::all_round(Vec2::NAN), Err(Error::NotFinite { .. })));
-        assert!(matches!(View::sector(Vec2::ZERO, Vec2::ZERO, 1.0), Err(Error::NoDirection { .. })));
+        assert!(matches!(View::sector(Vec2::ZERO, Vec2::ZERO, 1.0), Err(Error::NoDirection)));
         for half in [-0.1, 3.2, f32::NAN] {
             assert!(matches!(View::sector(Vec2::ZERO, Vec2::X, half), Err(Error::Range { .. })), "{half}");
         }

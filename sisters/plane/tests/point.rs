@@ -357,8 +357,7 @@ proptest! {
             let mut queries = [Query::new(), Query::new()];
             queries[0].run(&walked.scene, &view);
             queries[1].run(&elsewhere.scene, &view);
-            for (id, other) in walked.ids.iter().zip(&elsewhere.ids) {
-                let shape = walked.scene.bounds(*id).unwrap();
+            for ((id, other), shape) in walked.ids.iter().zip(&elsewhere.ids).zip(&walked.shapes) {
                 prop_assert_eq!(queries[0].pvs().contains(*id), queries[1].pvs().contains(*other), "{:?}", shape);
             }
         }

@@ -1,6 +1,6 @@
 //! A map, the guards that walk on it, and what the eye sees.
 
-use casca_plane::maps::{Drawing, FloorPlan};
+use casca_maps::Drawing;
 use casca_plane::{
     BitGrid, Disc, FieldOfView, FovOptions, GridSpec, ObjectDesc, ObjectId, Query, Scene, TileLayer,
     TilePoint, View,
@@ -102,9 +102,7 @@ impl Level {
     /// # Errors
     /// As [`Self::new`]; none for any seed that was tried.
     pub fn floor_plan(seed: u64) -> Result<Self, Failed> {
-        let FloorPlan { walls, doors } = FloorPlan::generate(72, 40, seed);
-        let map = Drawing { walls, doors, ..Drawing::default() };
-        Self::new(&format!("rooms-{seed}"), map, seed)
+        Self::new(&format!("rooms-{seed}"), Drawing::rooms(72, 40, seed), seed)
     }
 
     /// The map's size in tiles.
@@ -209,7 +207,7 @@ impl Level {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use casca_plane::maps::HARBOUR;
+    use casca_maps::HARBOUR;
 
     #[test]
     fn the_eye_passes_no_wall_and_hidden_guards_are_behind_walls() {

@@ -1,6 +1,6 @@
 //! The command line, and what it asks for, done.
 
-use casca_plane::maps::{Drawing, HARBOUR};
+use casca_maps::{Drawing, HARBOUR};
 use casca_tools::command_line::EXIT_CODES;
 use clap::Args;
 
@@ -38,6 +38,10 @@ impl Options {
         let Some(path) = &self.common.file else {
             return Level::new("harbour", Drawing::read(HARBOUR), 1);
         };
+        if cfg!(target_arch = "wasm32") {
+            // The reader is no part of pages then.
+            return Err("pages open no maps".into());
+        }
         let map = Drawing::open(path)?;
         map.warnings.iter().for_each(|warning| eprintln!("warning: {}: {warning}", path.display()));
         let (width, height) = (map.walls.width(), map.walls.height());

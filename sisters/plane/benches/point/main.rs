@@ -55,24 +55,10 @@ fn floor_plan(walls: u32) -> (Scene, f32) {
     (scene, size)
 }
 
-/// Short walls, one for each 16 square units.
-fn field(walls: u32) -> (Scene, f32) {
-    let size = (walls as f32 * 16.0).sqrt().round();
-    let mut random = Pcg32::seed_from_u64(2);
-    let mut scene = scene(size);
-    for _ in 0..walls {
-        let a = point(&mut random, size);
-        let length = random.random_range(0.2..1.2);
-        let b = a + step(&mut random, length);
-        add_wall(&mut scene, a, b.clamp(Vec2::ZERO, Vec2::splat(size)));
-    }
-    (scene, size)
-}
-
 /// The length of a wall that hides next to nothing.
 const POST: f32 = 1e-4;
 
-/// Posts in rings around the eye, and nothing that hides most of them: everything is in sight.
+/// Posts, one for each 16 square units: everything is in sight.
 fn open(walls: u32) -> (Scene, f32) {
     let size = (walls as f32 * 16.0).sqrt().round();
     let mut random = Pcg32::seed_from_u64(3);
@@ -85,9 +71,7 @@ fn open(walls: u32) -> (Scene, f32) {
 }
 
 fn views(criterion: &mut Criterion) {
-    for (name, make) in
-        [("floor plan", floor_plan as fn(u32) -> (Scene, f32)), ("field", field), ("open", open)]
-    {
+    for (name, make) in [("floor plan", floor_plan as fn(u32) -> (Scene, f32)), ("open", open)] {
         let mut group = criterion.benchmark_group(name);
         group.sample_size(10);
         for walls in WALLS {

@@ -23,10 +23,8 @@
 //!
 //! An extended occluder is a row or a column of cells that block, or an L of both, which share the
 //! cell at the corner. Its *cap* is the chain of those cells. The thesis fills the endless polygon
-//! behind the cap, between the rays through its ends, with vertices and samples at the centres of
-//! cells: those are the cells whose centre lies behind the cap, seen from the centre of V, and by
-//! the rule they are hidden. It asks that the corner of an L points to the viewer, so that the
-//! polygon is convex and can be filled as one; the proof does not need it.
+//! behind the cap, between the rays through its ends, with samples at the centres of cells: those
+//! that lie behind the cap, seen from the centre of V, which the rule hides.
 
 use casca_plane::BitGrid;
 use glam::IVec2;
@@ -123,27 +121,13 @@ impl Walk {
         let (x, y) = (IVec2::new(sign.x, 0), IVec2::new(0, sign.y));
         // The table says which axis comes first in each quadrant.
         let (one, two) = if sign.x * sign.y < 0 { (x, y) } else { (y, x) };
-        let near = reach(from, -one);
-        if near != from {
-            return Self::turned(from, near, two, l_shaped, reach);
+        let (mut first, mut corner, mut step) = (from, reach(from, -one), two);
+        if corner == from {
+            (first, corner, step) = (reach(from, two), reach(from, -two), one);
         }
-        let away = reach(from, two);
-        let near = reach(from, -two);
-        Self::turned(away, near, one, l_shaped, reach)
-    }
-
-    /// The cap from `far` to `near`, and from there on along `step`, if the corner is in the same
-    /// quadrant.
-    fn turned(
-        far: IVec2,
-        near: IVec2,
-        step: IVec2,
-        l_shaped: bool,
-        reach: impl Fn(IVec2, IVec2) -> IVec2,
-    ) -> Cap {
         // Where the first arm crosses an axis of the viewer, the second one would be behind it.
-        let turns = l_shaped && near.signum() == far.signum();
-        Cap { first: far, corner: near, last: if turns { reach(near, step) } else { near } }
+        let turns = l_shaped && corner.signum() == first.signum();
+        Cap { first, corner, last: if turns { reach(corner, step) } else { corner } }
     }
 
     /// Hides the cells behind a cap, row by row.

@@ -2,16 +2,15 @@
 //! bounding volumes behave over time. Prints tables in Markdown.
 //!
 //! ```sh
-//! cargo run --release -p casca-plane --features maps --example cell
+//! cargo run --release -p casca-plane --example cell
 //! ```
 
 mod caps;
-mod circle;
 mod volumes;
 
 use std::time::Instant;
 
-use casca_plane::maps::MapKind;
+use casca_maps::Drawing;
 use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles};
 use glam::{IVec2, Vec2};
 use rand::{RngExt, SeedableRng};
@@ -19,50 +18,43 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::caps::Walk;
 
-/// Cells along each side of a map.
+/// Cells along each side of the map.
 const SIDE: u32 = 128;
-/// Viewpoints on each map.
+/// Viewpoints on it.
 const VIEWS: u32 = 40;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    println!("Extended occluders: {SIDE}x{SIDE} cells, means of {VIEWS} cells.\n");
-    println!("| map | occluders | drawn | cells hidden | µs |");
-    println!("|---|---|---|---|---|");
-    for kind in MapKind::ALL {
-        let map = kind.generate(SIDE, SIDE, 7);
-        let mut random = Pcg64Mcg::seed_from_u64(1);
-        let eyes: Vec<IVec2> = (0..VIEWS).map(|_| place(&map, &mut random).as_ivec2()).collect();
-        for (name, l_shaped) in [("straight", false), ("L-shaped", true)] {
-            print(kind, name, &eyes, |eye| {
-                let walk = Walk::run(&map, eye, l_shaped);
-                (walk.seen.count(), walk.drawn)
-            });
-        }
-        let (opaque, mut fov) = (OpaqueTiles::new(map), FieldOfView::new());
-        let exact = |eye: IVec2| {
-            let seen = fov.run_from_tile(&opaque, eye.x as u32, eye.y as u32, &FovOptions::default());
-            (seen.map_or(0, BitGrid::count), 0)
-        };
-        print(kind, "`FieldOfView::run_from_tile`, exact", &eyes, exact);
+fn main() {
+    let map = Drawing::rooms(SIDE, SIDE, 7).walls;
+    println!("Extended occluders: rooms, {SIDE}x{SIDE} cells, means of {VIEWS} cells.\n");
+    println!("| occluders | drawn | cells hidden | µs |");
+    println!("|---|---|---|---|");
+    let mut random = Pcg64Mcg::seed_from_u64(1);
+    let eyes: Vec<IVec2> = (0..VIEWS).map(|_| place(&map, &mut random).as_ivec2()).collect();
+    for (name, l_shaped) in [("straight", false), ("L-shaped", true)] {
+        print(name, &eyes, |eye| {
+            let walk = Walk::run(&map, eye, l_shaped);
+            (walk.seen.count(), walk.drawn)
+        });
     }
+    let (opaque, mut fov) = (OpaqueTiles::new(map.clone()), FieldOfView::new());
+    print("`FieldOfView::run_from_tile`, exact", &eyes, |eye| {
+        let seen = fov.run_from_tile(&opaque, eye.x as u32, eye.y as u32, &FovOptions::default());
+        (seen.map_or(0, BitGrid::count), 0)
+    });
     println!();
-    volumes::print();
-    Ok(())
+    volumes::print(&map);
 }
 
 /// A row of the table, of what is seen from some cells.
-fn print(kind: MapKind, name: &str, eyes: &[IVec2], mut run: impl FnMut(IVec2) -> (u64, u32)) {
-    let (mut seen, mut drawn) = (0, 0);
+fn print(name: &str, eyes: &[IVec2], run: impl FnMut(IVec2) -> (u64, u32)) {
     let start = Instant::now();
-    for &eye in eyes {
-        let (cells, occluders) = run(eye);
-        (seen, drawn) = (seen + cells, drawn + occluders);
-    }
+    let found: Vec<(u64, u32)> = eyes.iter().copied().map(run).collect();
     let n = eyes.len() as f64;
     let micros = start.elapsed().as_secs_f64() * 1e6 / n;
+    let seen: u64 = found.iter().map(|(cells, _)| cells).sum();
+    let drawn: u32 = found.iter().map(|(_, occluders)| occluders).sum();
     let hidden = 100.0 * (1.0 - seen as f64 / n / f64::from(SIDE * SIDE));
-    let drawn = f64::from(drawn) / n;
-    println!("| {} | {name} | {drawn:.0} | {hidden:.2}% | {micros:.0} |", kind.name());
+    println!("| {name} | {:.0} | {hidden:.2}% | {micros:.0} |", f64::from(drawn) / n);
 }
 
 /// A place in an open cell, a third of a cell from its sides.

@@ -1,5 +1,6 @@
 //! Temporal bounding volumes over time (section 3.3.2; Sudarsky & Gotsman 1996): hollow circles of
-//! cells that hold hidden objects for a while, so that nobody needs to know where these are.
+//! cells that hold hidden objects for a while, so that nobody needs to know where these are. If an eye
+//! outside sees a point of the object, a cell of the circle is in sight.
 //!
 //! A volume is made to last longer than the one before if that was outlived unseen, and half as
 //! long if it was seen. It holds no cell of the viewer.
@@ -7,13 +8,11 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use casca_plane::BitGrid;
-use casca_plane::maps::MapKind;
 use glam::{DVec2, IVec2, Vec2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::caps::Walk;
-use crate::circle::circle;
 use crate::{SIDE, place};
 
 const FRAMES: u32 = 1200;
@@ -77,18 +76,28 @@ impl Volume {
     }
 }
 
+/// The outline of the disc of cells whose centres are within `radius` + 1/2 of the middle: those that
+/// have a neighbour beyond, corners included. No way from cell to neighbour gets inside without one.
+fn circle(radius: i32) -> impl Iterator<Item = IVec2> {
+    // The last cell of a column: (r + 1/2)² = r² + r + 1/4.
+    let top = move |x: i32| (radius * radius + radius - x * x).checked_isqrt().unwrap_or(-1);
+    (-radius..=radius).flat_map(move |x| {
+        let first = top(x - 1).min(top(x + 1)).max(0);
+        (first..=top(x)).flat_map(move |y| [IVec2::new(x, y), IVec2::new(x, -y)])
+    })
+}
+
 /// Prints the table: means of 120 frames each.
-pub fn print() {
+pub fn print(map: &BitGrid) {
     println!(
         "Volumes: rooms, {SIDE}x{SIDE} cells, {OBJECTS} objects at {SPEED} cells a second, {FRAMES} frames at 60 Hz, a walking viewer.\n"
     );
     println!("| frames | hidden objects | volumes drawn | volumes seen | reports due | validity, s |");
     println!("|---|---|---|---|---|---|");
-    let map = MapKind::Rooms.generate(SIDE, SIDE, 7);
     let mut random = Pcg64Mcg::seed_from_u64(1);
     let mut walkers: Vec<Walker> = (0..=OBJECTS)
         .map(|_| Walker {
-            place: place(&map, &mut random),
+            place: place(map, &mut random),
             direction: Vec2::from_angle(random.random_range(0.0..6.2)),
             volume: None,
             validity: VALIDITY[0],
@@ -98,42 +107,36 @@ pub fn print() {
     let mut sums = [0.0; 5];
     for frame in 1..=FRAMES {
         let now = f64::from(frame) * FRAME;
-        step(&map, &mut random, &mut eye);
+        step(map, &mut random, &mut eye);
         let viewer = eye.place.floor().as_ivec2();
-        let seen = Walk::run(&map, viewer, true).seen;
-        let (mut hidden, mut drawn, mut revealed, mut due, mut validity) = (0, 0, 0, 0, 0.0);
+        let seen = Walk::run(map, viewer, true).seen;
         for walker in &mut walkers {
-            step(&map, &mut random, walker);
+            step(map, &mut random, walker);
             if let Some(volume) = walker.volume.take() {
                 if volume.is_seen(&seen, viewer) {
-                    revealed += 1;
+                    sums[2] += 1.0;
                     walker.validity = (walker.validity * SHORTER).max(VALIDITY[1]);
                 } else if volume.expires > now {
                     walker.volume = Some(volume);
                 } else {
-                    due += 1;
-                    if volume.full {
-                        walker.validity = (walker.validity * LONGER).min(VALIDITY[2]);
-                    }
+                    sums[3] += 1.0;
+                    walker.validity *= if volume.full { LONGER } else { 1.0 };
+                    walker.validity = walker.validity.min(VALIDITY[2]);
                 }
             }
             let is_seen = touched(walker.place).any(|cell| seen.get(cell.x as u32, cell.y as u32));
             assert!(!is_seen || walker.volume.is_none(), "an object is seen whose volume is not");
             if !is_seen && walker.volume.is_none() {
                 walker.volume = Volume::around(walker, viewer, now);
-                drawn += u32::from(walker.volume.is_some());
+                sums[1] += f64::from(u32::from(walker.volume.is_some()));
             }
-            hidden += u32::from(!is_seen);
-            validity += walker.validity / f64::from(OBJECTS);
+            sums[0] += f64::from(u32::from(!is_seen));
+            sums[4] += walker.validity / f64::from(OBJECTS);
         }
-        let numbers = [hidden, drawn, revealed, due].map(f64::from);
-        sums.iter_mut().zip(numbers.into_iter().chain([validity])).for_each(|(sum, number)| *sum += number);
         if frame % 120 == 0 {
             let [hidden, drawn, revealed, due, validity] = sums.map(|sum| sum / 120.0);
-            println!(
-                "| {} to {frame} | {hidden:.0} | {drawn:.1} | {revealed:.1} | {due:.1} | {validity:.2} |",
-                frame - 119
-            );
+            let frames = format!("{} to {frame}", frame - 119);
+            println!("| {frames} | {hidden:.0} | {drawn:.1} | {revealed:.1} | {due:.1} | {validity:.2} |");
             sums = [0.0; 5];
         }
     }

@@ -4,9 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, Vec2};
 
-use crate::error::{Error, finite2, within};
-use crate::geometry::Block;
-use crate::numeric::{INSIDE_DISC, ON_DISC};
+use crate::numeric::INSIDE_DISC;
 
 /// Number of sides of the polygon by which a disc hides others.
 pub const DISC_SIDES: usize = 32;
@@ -26,11 +24,6 @@ impl Disc {
         Self { center, radius }
     }
 
-    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
-        finite2(what, self.center)?;
-        within("the radius", self.radius.into(), [0.0, f32::MAX.into()]).map(drop)
-    }
-
     /// The corners of the polygon by which the disc hides others, counterclockwise. All lie inside
     /// the disc, by less than two millionths of the radius or two roundings of their coordinates.
     pub fn polygon(&self) -> [Vec2; DISC_SIDES] {
@@ -39,17 +32,6 @@ impl Disc {
             let offset = f64::from(self.radius) * (1.0 - INSIDE_DISC) * DVec2::new(cos, sin);
             Vec2::new(toward(self.center.x, offset.x), toward(self.center.y, offset.y))
         })
-    }
-
-    pub(crate) fn block(&self) -> Block {
-        let (center, radius) = (self.center.as_dvec2(), DVec2::splat(self.radius.into()));
-        let out = |p: DVec2, up: bool| p.map(|c| if up { c.next_up() } else { c.next_down() });
-        Block { min: out(center - radius, false), max: out(center + radius, true) }
-    }
-
-    /// Whether a point lies inside or on the border; in doubt, yes.
-    pub(crate) fn contains(&self, p: DVec2) -> bool {
-        (p - self.center.as_dvec2()).length() * (1.0 - ON_DISC) <= f64::from(self.radius)
     }
 }
 

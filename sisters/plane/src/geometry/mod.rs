@@ -3,12 +3,10 @@
 mod disc;
 pub(crate) mod expansion;
 pub(crate) mod polygon;
-mod polyline;
 mod shape;
 
 pub use disc::{DISC_SIDES, Disc};
-pub use polygon::ConvexPolygon;
-pub use polyline::Polyline;
+pub use polygon::{ConvexPolygon, Polyline};
 pub use shape::Shape;
 
 use glam::{DVec2, Vec2};
@@ -95,11 +93,6 @@ impl Rect {
     pub(crate) fn block(&self) -> Block {
         Block { min: self.min.as_dvec2(), max: self.max.as_dvec2() }
     }
-
-    /// Whether a point lies inside, and not on the border.
-    pub(crate) fn surrounds(&self, p: DVec2) -> bool {
-        p.cmpgt(self.min.as_dvec2()).all() && p.cmplt(self.max.as_dvec2()).all()
-    }
 }
 
 /// A line segment between two points: a wall without thickness. The points may be the same.
@@ -115,19 +108,5 @@ impl Segment {
     /// The segment from `a` to `b`.
     pub const fn new(a: Vec2, b: Vec2) -> Self {
         Self { a, b }
-    }
-
-    pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
-        finite2(what, self.a)?;
-        finite2(what, self.b)
-    }
-
-    pub(crate) fn block(&self) -> Block {
-        Block::around(&[self.a, self.b])
-    }
-
-    /// Whether a point lies on the segment. Exact.
-    pub(crate) fn contains(&self, p: DVec2) -> bool {
-        self.block().contains(p) && orient(self.a.as_dvec2(), self.b.as_dvec2(), p) == 0.0
     }
 }

@@ -1,11 +1,11 @@
-//! Convex polygons.
+//! Convex polygons, and chains of walls.
 
 use std::sync::Arc;
 
 use glam::{DVec2, Vec2};
 
 use crate::error::{Error, finite2};
-use crate::geometry::{Block, orient};
+use crate::geometry::{Segment, orient};
 
 /// A solid convex polygon.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,19 +37,39 @@ impl ConvexPolygon {
     pub fn corners(&self) -> &[Vec2] {
         &self.corners
     }
+}
 
-    pub(crate) fn block(&self) -> Block {
-        Block::around(&self.corners)
+/// A chain of line segments: walls without thickness. It closes a ring if the last point is the
+/// first; it is hollow even then.
+///
+/// A scene looks at all of its segments as soon as it looks at one. Cut chains that run through
+/// many rooms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polyline {
+    points: Arc<[Vec2]>,
+}
+
+impl Polyline {
+    /// The chain through some points, in their order. It may cross itself.
+    ///
+    /// # Errors
+    /// Refuses fewer than two points, and points that are not finite.
+    pub fn new(points: &[Vec2]) -> Result<Self, Error> {
+        if points.len() < 2 {
+            return Err(Error::ShortPolyline { points: points.len() });
+        }
+        points.iter().try_for_each(|&p| finite2("a point of the polyline", p))?;
+        Ok(Self { points: points.into() })
     }
 
-    /// Whether a point lies inside, and not on the border. Exact.
-    pub(crate) fn surrounds(&self, p: DVec2) -> bool {
-        ring(&self.corners).all(|(a, b)| orient(a, b, p) > 0.0)
+    /// Its points, in world units.
+    pub fn points(&self) -> &[Vec2] {
+        &self.points
     }
 
-    /// Whether a point lies inside or on the border. Exact.
-    pub(crate) fn contains(&self, p: DVec2) -> bool {
-        ring(&self.corners).all(|(a, b)| orient(a, b, p) >= 0.0)
+    /// Its segments, in order.
+    pub fn segments(&self) -> impl Iterator<Item = Segment> {
+        self.points.windows(2).map(|ends| Segment::new(ends[0], ends[1]))
     }
 }
 
@@ -80,6 +100,7 @@ fn chain(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Shape;
 
     #[test]
     fn hulls_have_no_points_inside_or_on_sides() {
@@ -88,8 +109,9 @@ mod tests {
         let square = ConvexPolygon::new(&points).unwrap();
         assert_eq!(square.corners(), [points[0], points[1], points[3], points[5]]);
         let at = |x, y| DVec2::new(x, y);
-        assert!(square.surrounds(at(1.0, 3.0)) && square.contains(at(4.0, 1.0)));
-        assert!(!square.surrounds(at(4.0, 1.0)) && !square.contains(at(4.5, 1.0)));
+        let shape = Shape::from(square);
+        assert!(shape.surrounds(at(1.0, 3.0)) && shape.contains(at(4.0, 1.0)));
+        assert!(!shape.surrounds(at(4.0, 1.0)) && !shape.contains(at(4.5, 1.0)));
         for flat in [&points[..3], &points[..1], &[], &[points[0]; 5]] {
             assert_eq!(ConvexPolygon::new(flat), Err(Error::FlatPolygon { points: flat.len() }));
         }

@@ -2,9 +2,10 @@
 
 use glam::DVec2;
 
-use crate::error::Error;
+use crate::error::{Error, finite2, within};
 use crate::geometry::polygon::ring;
 use crate::geometry::{Block, ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, orient};
+use crate::numeric::ON_DISC;
 
 /// A shape of an object: its bounds, or its occluder.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,22 +39,34 @@ impl Shape {
     /// Refuses shapes that are not finite, inverted or of negative size.
     pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
         match self {
-            Self::Disc(disc) => disc.check(what),
+            Self::Disc(disc) => {
+                finite2(what, disc.center)?;
+                within("the radius", disc.radius.into(), [0.0, f32::MAX.into()]).map(drop)
+            }
             Self::Rect(rect) => rect.check(what),
-            Self::Segment(segment) => segment.check(what),
+            Self::Segment(s) => [s.a, s.b].into_iter().try_for_each(|p| finite2(what, p)),
             // Checked when they were made.
             Self::Polygon(_) | Self::Polyline(_) => Ok(()),
         }
     }
 
+    /// The rectangle around it, in world units, rounded to single precision.
+    pub fn bounds(&self) -> Rect {
+        let Block { min, max } = self.block();
+        Rect::new(min.as_vec2(), max.as_vec2())
+    }
+
     /// The rectangle around it.
     pub(crate) fn block(&self) -> Block {
         match self {
-            Self::Disc(disc) => disc.block(),
+            Self::Disc(disc) => {
+                let (center, radius) = (disc.center.as_dvec2(), DVec2::splat(disc.radius.into()));
+                Block { min: (center - radius).map(f64::next_down), max: (center + radius).map(f64::next_up) }
+            }
             Self::Rect(rect) => rect.block(),
-            Self::Polygon(polygon) => polygon.block(),
-            Self::Segment(segment) => segment.block(),
-            Self::Polyline(polyline) => polyline.block(),
+            Self::Polygon(polygon) => Block::around(polygon.corners()),
+            Self::Segment(s) => Block::around(&[s.a, s.b]),
+            Self::Polyline(line) => Block::around(line.points()),
         }
     }
 
@@ -71,12 +84,17 @@ impl Shape {
     /// Whether a point belongs to the shape, the border included. Exact but for discs: there in
     /// doubt, yes.
     pub(crate) fn contains(&self, p: DVec2) -> bool {
+        let is_on = |s: Segment| {
+            Block::around(&[s.a, s.b]).contains(p) && orient(s.a.as_dvec2(), s.b.as_dvec2(), p) == 0.0
+        };
         match self {
-            Self::Disc(disc) => disc.contains(p),
+            Self::Disc(disc) => {
+                (p - disc.center.as_dvec2()).length() * (1.0 - ON_DISC) <= f64::from(disc.radius)
+            }
             Self::Rect(rect) => rect.block().contains(p),
-            Self::Polygon(polygon) => polygon.contains(p),
-            Self::Segment(segment) => segment.contains(p),
-            Self::Polyline(polyline) => polyline.contains(p),
+            Self::Polygon(polygon) => ring(polygon.corners()).all(|(a, b)| orient(a, b, p) >= 0.0),
+            Self::Segment(s) => is_on(*s),
+            Self::Polyline(line) => line.segments().any(is_on),
         }
     }
 
@@ -84,9 +102,9 @@ impl Shape {
     /// thickness have no inside.
     pub(crate) fn surrounds(&self, p: DVec2) -> bool {
         match self {
-            Self::Disc(disc) => disc.contains(p),
-            Self::Rect(rect) => rect.surrounds(p),
-            Self::Polygon(polygon) => polygon.surrounds(p),
+            Self::Disc(_) => self.contains(p),
+            Self::Rect(Rect { min, max }) => p.cmpgt(min.as_dvec2()).all() && p.cmplt(max.as_dvec2()).all(),
+            Self::Polygon(polygon) => ring(polygon.corners()).all(|(a, b)| orient(a, b, p) > 0.0),
             Self::Segment(_) | Self::Polyline(_) => false,
         }
     }

@@ -14,11 +14,12 @@ use crate::point::wall::Wall;
 /// Open directions, and the walls that may close more of them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Covers {
-    /// Sorted by quarter and direction; disjoint.
-    open: Vec<Arc>,
-    view: Vec<Arc>,
+    /// The arcs in which the eye may see beyond the square, sorted by quarter and direction; disjoint.
+    pub(crate) open: Vec<Arc>,
+    /// All arcs of the view.
+    pub(crate) view: Vec<Arc>,
     /// Arcs that are closed, and not yet taken out of `open`.
-    closed: Vec<Arc>,
+    pub(crate) closed: Vec<Arc>,
     waiting: Vec<Waiting>,
     /// Memory used again.
     rest: Vec<Arc>,
@@ -45,30 +46,15 @@ impl Covers {
         self.waiting.clear();
     }
 
-    /// The arcs in which the eye may see beyond the square.
-    pub(crate) fn open(&self) -> &[Arc] {
-        &self.open
-    }
-
     /// Whether much of the view is still open.
     pub(crate) fn is_wide(&self) -> bool {
         let sum = |arcs: &[Arc]| arcs.iter().map(|arc| arc.to.key - arc.from.key).sum::<f64>();
         sum(&self.open) >= WIDE * sum(&self.view)
     }
 
-    /// All arcs of the view.
-    pub(crate) fn view(&self) -> &[Arc] {
-        &self.view
-    }
-
     /// Whether some directions of a wall may be open.
     pub(crate) fn may_show(&self, circle: &Circle, wall: &Wall) -> bool {
         wall.arcs(circle).any(|arc| meets(circle.eye, &self.open, &arc))
-    }
-
-    /// Closes arcs at the eye.
-    pub(crate) fn block(&mut self, blocked: &[Arc]) {
-        self.closed.extend_from_slice(blocked);
     }
 
     /// Takes notice of a wall.
@@ -128,7 +114,7 @@ fn meets(eye: DVec2, open: &[Arc], arc: &Arc) -> bool {
 /// that is not known.
 fn inside(eye: DVec2, wall: &Wall, shells: &Shells, shell: i32) -> Option<[DVec2; 2]> {
     let [a, b] = [wall.a, wall.b];
-    let inset = CLIPPED * shells.cell_size();
+    let inset = CLIPPED * shells.grid.cell;
     let (min, max) = shells.square(shell);
     let square = Block { min: min + inset, max: max - inset };
     let u = b - a;

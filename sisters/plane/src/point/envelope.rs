@@ -7,11 +7,14 @@
 //! merges together cost O(n α(n) log k) comparisons for k layers, however many crossings there are
 //! behind it.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::ops::Range;
+
+use glam::DVec2;
 
 use crate::numeric::KEY;
 use crate::point::arcs::{Arc, Ray, keys_tell, order};
-use crate::point::layers::{Item, Layers};
 use crate::point::wall::{Around, Direction};
 
 /// In place of a wall: nothing stops the eye.
@@ -159,6 +162,67 @@ impl Envelope {
     }
 }
 
+/// A part of a wall in an arc of the view.
+#[derive(Debug, Clone, Copy)]
+struct Item {
+    /// The number of the arc.
+    domain: u8,
+    /// The wall, or what stands for it.
+    wall: u32,
+    arc: Arc,
+}
+
+/// No item follows.
+const NONE: u32 = u32::MAX;
+
+/// Layers of items that are sorted by the directions where they begin.
+#[derive(Debug, Clone, Default)]
+struct Layers {
+    /// The first item of each layer, and the last.
+    ends: Vec<[u32; 2]>,
+    /// By item: the next one of its layer.
+    next: Vec<u32>,
+    /// The layers by the key where each ends, about.
+    queue: BinaryHeap<Reverse<(u64, u32)>>,
+}
+
+impl Layers {
+    /// Puts each item into the layer that ends first, or into a new one if none ends before it.
+    /// `sorted` are the places of the items, each with a key. There are as many layers as items
+    /// overlap. Costs the logarithm of that for each item.
+    fn build(&mut self, eye: DVec2, items: &[Item], sorted: &[(u64, u32)]) {
+        self.ends.clear();
+        self.queue.clear();
+        self.next.clear();
+        self.next.resize(items.len(), NONE);
+        // Keys are not negative: their bits grow with them.
+        let key = |ray: &Ray| ray.key.to_bits();
+        for &(_, number) in sorted {
+            let item = &items[number as usize];
+            let follows =
+                |layer: &[u32; 2]| order(eye, &items[layer[1] as usize].arc.to, &item.arc.from).is_le();
+            if let Some(mut least) = self.queue.peek_mut()
+                && let layer = &mut self.ends[least.0.1 as usize]
+                && follows(layer)
+            {
+                self.next[layer[1] as usize] = number;
+                layer[1] = number;
+                least.0.0 = key(&item.arc.to);
+            } else {
+                self.queue.push(Reverse((key(&item.arc.to), self.ends.len() as u32)));
+                self.ends.push([number; 2]);
+            }
+        }
+    }
+
+    /// The items of a layer, in their order.
+    fn items<'a>(&'a self, layer: usize, items: &'a [Item]) -> impl Iterator<Item = &'a Item> {
+        let first = Some(self.ends[layer][0]);
+        let next = |&at: &u32| Some(self.next[at as usize]).filter(|&next| next != NONE);
+        std::iter::successors(first, next).map(|at| &items[at as usize])
+    }
+}
+
 /// Drops the parts of walls that lie behind one wall that was in front when they began: most of
 /// those that are hidden, for two comparisons each.
 fn drop_hidden(
@@ -217,7 +281,7 @@ fn merge_all(
     now.steps.reserve(2 * sorted.len() + MORE);
     next.steps.reserve(2 * sorted.len() + MORE);
     layers.build(eye, items, sorted);
-    for layer in 0..layers.count() {
+    for layer in 0..layers.ends.len() {
         // Where the part before ends.
         let mut at = arc.from;
         for item in layers.items(layer, items) {
@@ -294,7 +358,6 @@ fn nearest(around: &Around, [a, b]: [u32; 2], [from, to]: [&Direction; 2], quart
         // The first is nearer clockwise of the crossing, or else counterclockwise.
         let flipped = first < 0.0;
         out.push(*from, if flipped { b } else { a });
-        let lead = around.lead(walls[0], walls[1]);
-        out.push(lead.crossing([a, b], flipped, quarter), if flipped { a } else { b });
+        out.push(around.crossing([a, b], flipped, quarter), if flipped { a } else { b });
     }
 }

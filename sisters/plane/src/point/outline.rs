@@ -6,8 +6,7 @@ use glam::{DVec2, Vec2};
 
 use crate::geometry::Block;
 use crate::point::envelope::{BLOCKED, OPEN, Piece};
-use crate::point::region::Region;
-use crate::point::target::inside_circle;
+use crate::point::region::{Region, inside_circle};
 
 /// Chords that the circle at the end of a range would have if all of it were seen.
 const CHORDS: f64 = 64.0;

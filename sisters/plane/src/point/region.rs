@@ -6,11 +6,10 @@
 
 use glam::DVec2;
 
-use crate::geometry::{Disc, Shape, orient};
-use crate::numeric::DISTANCE;
+use crate::geometry::{Disc, Shape, orient, point_along};
+use crate::numeric::{DISTANCE, TILT};
 use crate::point::arcs::{Arc, order, touching};
 use crate::point::envelope::{BLOCKED, Domain, Envelope, OPEN, Piece, Step};
-use crate::point::target::{self, distance};
 use crate::point::wall::{Around, Direction, NOBODY, Wall};
 
 /// The visible region of a view.
@@ -42,41 +41,33 @@ impl<'a> Region<'a> {
 
     /// Whether one of the pieces in some arcs, clipped to these, satisfies a test.
     fn any(&self, arcs: impl Iterator<Item = Arc>, mut test: impl FnMut(&Piece) -> bool) -> bool {
-        let eye = self.around.eye;
-        for part in arcs {
-            for domain in self.envelope.domains.iter().filter(|domain| domain.arc.quarter == part.quarter) {
-                let part = part.clipped(eye, &domain.arc);
-                let meet = order(eye, &part.from, &part.to).is_le();
-                if meet && self.any_in(domain, [part.from.into(), part.to.into()], &mut test) {
-                    return true;
+        let around = &self.around;
+        for arc in arcs {
+            for domain in self.envelope.domains.iter().filter(|domain| domain.arc.quarter == arc.quarter) {
+                let part = arc.clipped(around.eye, &domain.arc);
+                if order(around.eye, &part.from, &part.to).is_gt() {
+                    continue;
+                }
+                let [from, to] = [part.from, part.to].map(Direction::from);
+                let steps = &self.envelope.steps[domain.steps.clone()];
+                // The first piece that does not end before.
+                let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
+                let first = steps.partition_point(before).saturating_sub(1);
+                let reached = (first..steps.len()).take_while(|&i| around.turn(&steps[i].from, &to) >= 0.0);
+                for mut piece in reached.map(|i| domain.piece(steps, i)) {
+                    if around.turn(&piece.from, &from) > 0.0 {
+                        piece.from = from;
+                    }
+                    if around.turn(&piece.to, &to) <= 0.0 {
+                        piece.to = to;
+                    }
+                    if around.turn(&piece.from, &piece.to) >= 0.0 && test(&piece) {
+                        return true;
+                    }
                 }
             }
         }
         false
-    }
-
-    /// As [`Region::any`], for directions in a domain.
-    fn any_in(
-        &self,
-        domain: &Domain,
-        [from, to]: [Direction; 2],
-        test: &mut impl FnMut(&Piece) -> bool,
-    ) -> bool {
-        let steps = &self.envelope.steps[domain.steps.clone()];
-        let around = &self.around;
-        // The first piece that does not end before.
-        let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
-        let first = steps.partition_point(before).saturating_sub(1);
-        let reached = (first..steps.len()).take_while(|&i| around.turn(&steps[i].from, &to) >= 0.0);
-        reached.map(|i| domain.piece(steps, i)).any(|mut piece| {
-            if around.turn(&piece.from, &from) > 0.0 {
-                piece.from = from;
-            }
-            if around.turn(&piece.to, &to) <= 0.0 {
-                piece.to = to;
-            }
-            around.turn(&piece.from, &piece.to) >= 0.0 && test(&piece)
-        })
     }
 
     /// Whether a point belongs to the region.
@@ -140,7 +131,7 @@ impl<'a> Region<'a> {
         if let Some(wall) = wall {
             let signs = [&piece.from, &piece.to].map(|along| self.around.nearer(target, wall, along));
             // The end behind the wall moves to the crossing.
-            let crossing = self.around.lead(target, wall).direction(signs[0] < 0.0);
+            let crossing = self.around.lead(target, wall).turned(signs[0] < 0.0);
             for i in 0..2 {
                 if signs[i] < 0.0 {
                     ends[i] = self.around.hit_along(target, crossing);
@@ -152,13 +143,6 @@ impl<'a> Region<'a> {
         distance(DVec2::ZERO, a, b) <= self.range + doubt
     }
 
-    fn meets_disc(&self, disc: &Disc) -> bool {
-        let [from, to] = target::sides(self.around.eye, disc);
-        self.any(touching(self.around.circle, from, to), |piece| {
-            target::meets(&self.around, self.range, disc, piece)
-        })
-    }
-
     /// Whether a shape meets the region.
     pub(crate) fn meets(&self, shape: &Shape) -> bool {
         let eye = self.around.eye;
@@ -166,10 +150,86 @@ impl<'a> Region<'a> {
             return !self.is_empty();
         }
         if let Shape::Disc(disc) = shape {
-            return self.meets_disc(disc);
+            let [from, to] = disc_sides(eye, disc);
+            let meets = |piece: &Piece| disc_meets(&self.around, self.range, disc, piece);
+            return self.any(touching(self.around.circle, from, to), meets);
         }
         let mut met = false;
         shape.front_sides(eye, |a, b| met = met || self.meets_segment(a, b));
         met
     }
+}
+
+/// Points whose directions enclose those to a disc, for an eye outside of it: the first and the
+/// last counterclockwise.
+fn disc_sides(eye: DVec2, disc: &Disc) -> [DVec2; 2] {
+    let to = disc.center.as_dvec2() - eye;
+    let half = (f64::from(disc.radius) / to.length()).min(1.0).asin() + TILT;
+    let direction = to.normalize_or(DVec2::X);
+    [-half, half].map(|angle| point_along(eye, DVec2::from_angle(angle).rotate(direction)))
+}
+
+/// Whether a disc meets a piece of the region, as far as `range`; in doubt, yes.
+fn disc_meets(around: &Around, range: f64, disc: &Disc, piece: &Piece) -> bool {
+    if piece.wall == BLOCKED {
+        return false;
+    }
+    let eye = around.eye;
+    let center = disc.center.as_dvec2() - eye;
+    let wall = (piece.wall != OPEN).then(|| around.wall(piece.wall));
+    let [from, to] = [&piece.from, &piece.to].map(|along| around.vague(along).v.normalize_or(DVec2::X));
+    let faces = |p: DVec2| from.perp_dot(p) >= 0.0 && p.perp_dot(to) >= 0.0;
+    let before = wall.is_none_or(|wall| orient(wall.a, wall.b, disc.center.as_dvec2()) >= 0.0);
+    let off = center.length();
+    if faces(center) && before && off <= range {
+        return true;
+    }
+    let radius = f64::from(disc.radius);
+    // Beyond this distance nothing touches the disc.
+    let far = range.min((off + radius) * (1.0 + DISTANCE));
+    let (ends, doubt) = match wall {
+        Some(wall) => {
+            let [a, b] = [&piece.from, &piece.to].map(|along| around.hit(wall, along));
+            ([a.0 - eye, b.0 - eye], a.1 + b.1)
+        }
+        None => ([from * far, to * far], 0.0),
+    };
+    let mut nearest = [from, to].into_iter().zip(ends).fold(f64::INFINITY, |nearest, (side, end)| {
+        nearest.min(distance(center, DVec2::ZERO, side * end.length().min(far)))
+    });
+    if wall.is_some()
+        && let Some([a, b]) = inside_circle(ends[0], ends[1], range + doubt)
+    {
+        nearest = nearest.min(distance(center, a, b));
+    }
+    // The nearest point of the circle that ends the range.
+    let rim = center * (range / off);
+    if off > range && faces(rim) && wall.is_none_or(|wall| orient(wall.a, wall.b, eye + rim) >= 0.0) {
+        nearest = nearest.min(off - range);
+    }
+    nearest <= radius * (1.0 + DISTANCE) + doubt + DISTANCE * (off + eye.length())
+}
+
+/// The part of a segment inside a circle around the origin.
+pub(crate) fn inside_circle(a: DVec2, b: DVec2, range: f64) -> Option<[DVec2; 2]> {
+    let along = b - a;
+    let squared = along.length_squared();
+    if a.length().max(b.length()) <= range || squared == 0.0 {
+        return (a.length() <= range).then_some([a, b]);
+    }
+    let middle = -a.dot(along) / squared;
+    let off = (a + along * middle).length();
+    let half = ((range * range - off * off).max(0.0) / squared).sqrt();
+    let (first, last) = ((middle - half).clamp(0.0, 1.0), (middle + half).clamp(0.0, 1.0));
+    (off <= range && middle + half >= 0.0 && middle - half <= 1.0)
+        .then(|| [first, last].map(|at| a + along * at))
+}
+
+/// The distance of a point from a segment.
+fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let along = b - a;
+    let at = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    // Where the ends are the same, the quotient is not a number.
+    let nearest = if at.is_nan() { a } else { a + along * at };
+    (p - nearest).length().min((p - a).length()).min((p - b).length())
 }

@@ -13,7 +13,7 @@ const FAR: i32 = 1 << 24;
 /// The shells of cells around an eye.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shells<'a> {
-    grid: &'a Grid,
+    pub(crate) grid: &'a Grid,
     eye: DVec2,
     /// The eye's cell.
     cell: IVec2,
@@ -29,13 +29,13 @@ impl<'a> Shells<'a> {
         let cell = grid.cell_of(eye);
         let near = cell.abs().max_element() < FAR;
         let corner = grid.cell_bounds(cell).0;
-        let place = ((eye - corner) / grid.cell_size()).clamp(DVec2::ZERO, DVec2::ONE);
+        let place = ((eye - corner) / grid.cell).clamp(DVec2::ZERO, DVec2::ONE);
         near.then_some(Self { grid, eye, cell, place, corner })
     }
 
     /// The first and the last shell with cells of the grid.
     pub(crate) fn numbers(&self) -> (i32, i32) {
-        let last = self.grid.dims() - 1;
+        let last = self.grid.dims - 1;
         let near = self.cell.clamp(IVec2::ZERO, last);
         let far = (self.cell - last).abs().max(self.cell.abs());
         ((self.cell - near).abs().max_element(), far.max_element())
@@ -46,16 +46,11 @@ impl<'a> Shells<'a> {
         (self.grid.cell_bounds(self.cell - shell).0, self.grid.cell_bounds(self.cell + shell).1)
     }
 
-    /// Edge length of a cell.
-    pub(crate) fn cell_size(&self) -> f64 {
-        self.grid.cell_size()
-    }
-
     /// A shell whose square contains a point: the first, or the one after it. A point on the upper
     /// border of a square belongs to it.
     #[inline]
     pub(crate) fn shell_of(&self, p: DVec2) -> i32 {
-        let off = (p - self.corner) / self.grid.cell_size();
+        let off = (p - self.corner) / self.grid.cell;
         // The square of a shell goes from `-shell` to `shell + 1`.
         let shell = (off - 1.0).max(-off).max_element();
         // Casts saturate.
@@ -152,12 +147,12 @@ impl<'a> Quarter<'a> {
     fn next_along(&self, marks: &CrossBits, axis: usize, [from, to]: [i32; 2]) -> Option<i32> {
         let (other, Shells { cell: eye, grid, .. }) = (1 - axis, self.shells);
         let at = eye[axis] + self.signs[axis] * self.shell;
-        if at < 0 || at >= grid.dims()[axis] || from < 0 {
+        if at < 0 || at >= grid.dims[axis] || from < 0 {
             return None;
         }
         let place = |distance: i32| eye[other] + self.signs[other] * distance;
         let line = marks.line(axis, at as u32);
-        let last = grid.dims()[other] - 1;
+        let last = grid.dims[other] - 1;
         let (first, end) = (place(from), place(to));
         let up = first <= end;
         let (least, most) = if up { (first.max(0), end.min(last)) } else { (end.max(0), first.min(last)) };

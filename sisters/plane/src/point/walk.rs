@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use casca_slots::Slot;
 use glam::{DVec2, IVec2};
 
-use crate::geometry::{Segment, Shape, orient};
+use crate::geometry::{Block, Segment, Shape, orient};
 use crate::point::arcs::{Arc, Arcs, Circle, between};
 use crate::point::covers::Covers;
 use crate::point::shells::Shells;
@@ -36,15 +36,15 @@ pub(crate) struct Walk {
     /// The directions into solids whose border the eye is on.
     pub(crate) blocked: Vec<Arc>,
     covers: Covers,
-    /// By slot: the last walk that found it.
-    marks: Vec<u32>,
-    number: u32,
+    /// By slot: whether it is in `found`.
+    marks: Vec<bool>,
 }
 
 impl Walk {
-    /// Forgets the objects and walls of the last walk.
-    fn clear(&mut self) {
-        self.found.clear();
+    /// Forgets the objects and walls of the last walk. There are so many slots then.
+    fn clear(&mut self, slots: usize) {
+        self.found.drain(..).for_each(|slot| self.marks[slot.index()] = false);
+        self.marks.resize(slots, false);
         self.own.clear();
         self.walls.clear();
         self.blocked.clear();
@@ -59,11 +59,10 @@ impl Walk {
         arcs: &[Arc],
         stats: &mut Stats,
     ) {
-        self.clear();
-        self.mark_nothing(scene.slot_count());
+        self.clear(scene.slot_count());
         let eye = circle.eye;
-        scene.outer().iter().for_each(|&slot| self.find(slot, scene, circle, stats));
-        let Some(shells) = Shells::new(scene.grid(), eye).filter(|_| !are_few(scene, view)) else {
+        scene.outer.iter().for_each(|&slot| self.find(slot, scene, circle, stats));
+        let Some(shells) = Shells::new(&scene.grid, eye).filter(|_| !are_few(scene, view)) else {
             // An occluder may stick out of its bounds.
             let is_near = |object: &Object| {
                 let mut shapes = [Some(&object.bounds), object.occluder.as_ref()].into_iter().flatten();
@@ -73,23 +72,23 @@ impl Walk {
             return near.for_each(|(slot, _)| self.find(slot, scene, circle, stats));
         };
         self.covers.reset(eye, arcs);
-        let cell = scene.grid().cell_size();
+        let cell = scene.grid.cell;
         let (first, last) = shells.numbers();
         // The nearest points of a shell are one cell less away than its number says.
         let end = view.range().map_or(f64::INFINITY, |range| range / cell + 2.0);
-        let marks = scene.lists().occupied();
+        let marks = &scene.lists.occupied;
         let (mut noticed, mut closing, mut check) = (0, true, scene.len() / MOST_LEFT);
         for shell in first..=last {
-            if f64::from(shell) > end || self.covers.open().is_empty() {
+            if f64::from(shell) > end || self.covers.open.is_empty() {
                 break;
             }
             if shell == 0 {
-                self.visit(scene, scene.grid().cell_of(eye), circle, stats);
-                self.covers.block(&self.blocked);
+                self.visit(scene, scene.grid.cell_of(eye), circle, stats);
+                self.covers.closed.extend_from_slice(&self.blocked);
             } else {
                 let covers = std::mem::take(&mut self.covers);
                 let visit = &mut |cell| self.visit(scene, cell, circle, stats);
-                shells.cells(shell, if closing { covers.open() } else { covers.view() }, marks, visit);
+                shells.cells(shell, if closing { &covers.open } else { &covers.view }, marks, visit);
                 self.covers = covers;
             }
             if !closing {
@@ -107,9 +106,9 @@ impl Walk {
 
     /// Takes the walls within the range of a view from a list.
     pub(crate) fn take(&mut self, walls: &[Segment], view: &View) {
-        self.clear();
+        self.clear(0);
         self.walls.reserve(walls.len());
-        let near = |wall: &&Segment| view.reaches(&wall.block());
+        let near = |wall: &&Segment| view.reaches(&Block::around(&[wall.a, wall.b]));
         let sides = walls.iter().filter(near).map(|wall| [wall.a, wall.b].map(|p| p.as_dvec2()));
         self.walls.extend(sides.filter_map(|[a, b]| Wall::new(view.eye(), a, b, NOBODY)));
     }
@@ -133,27 +132,17 @@ impl Walk {
         self.walls.truncate(kept);
     }
 
-    fn mark_nothing(&mut self, slots: usize) {
-        self.marks.resize(slots, 0);
-        self.number = self.number.wrapping_add(1);
-        if self.number == 0 {
-            self.marks.fill(0);
-            self.number = 1;
-        }
-    }
-
     /// Finds the objects in a cell.
     fn visit(&mut self, scene: &Scene, cell: IVec2, circle: &Circle, stats: &mut Stats) {
-        scene.lists().get(cell).iter().for_each(|&slot| self.find(slot, scene, circle, stats));
+        scene.lists.get(cell).iter().for_each(|&slot| self.find(slot, scene, circle, stats));
     }
 
     /// Takes notice of an object, once, and of its occluder.
     fn find(&mut self, slot: Slot, scene: &Scene, circle: &Circle, stats: &mut Stats) {
-        let mark = &mut self.marks[slot.index()];
-        if std::mem::replace(mark, self.number) == self.number {
+        let Some(object) = scene.object(slot) else { return };
+        if std::mem::replace(&mut self.marks[slot.index()], true) {
             return;
         }
-        let Some(object) = scene.object(slot) else { return };
         self.found.push(slot);
         self.own.push(NOBODY);
         let Some(occluder) = &object.occluder else { return };
@@ -162,19 +151,15 @@ impl Walk {
             stats.eye_in_occluder = true;
         } else {
             let first = self.walls.len();
-            self.add(occluder, owner, circle);
+            if occluder.contains(circle.eye) {
+                self.blocked.extend(into_solid(occluder, circle));
+            }
+            let eye = circle.eye;
+            occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b, owner)));
             if owner != NOBODY && matches!(occluder, Shape::Segment(_)) && first < self.walls.len() {
                 self.own[owner as usize] = first as u32;
             }
         }
-    }
-
-    fn add(&mut self, occluder: &Shape, owner: u32, circle: &Circle) {
-        if occluder.contains(circle.eye) {
-            self.blocked.extend(into_solid(occluder, circle));
-        }
-        let eye = circle.eye;
-        occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b, owner)));
     }
 }
 
@@ -189,20 +174,12 @@ fn are_few(scene: &Scene, view: &View) -> bool {
 /// The directions from an eye on the border of a solid into it; nothing for discs, which hide
 /// nothing from eyes that may be inside.
 fn into_solid(shape: &Shape, circle: &Circle) -> Arcs {
-    match shape {
-        Shape::Rect(rect) if rect.min.cmplt(rect.max).all() => {
-            into_ring(&rect.corners().map(|p| p.as_dvec2()), circle)
-        }
-        Shape::Polygon(polygon) => {
-            let corners: Vec<DVec2> = polygon.corners().iter().map(|p| p.as_dvec2()).collect();
-            into_ring(&corners, circle)
-        }
-        _ => Arcs::new(),
-    }
-}
-
-/// As [`into_solid`], for a convex ring that runs counterclockwise.
-fn into_ring(corners: &[DVec2], circle: &Circle) -> Arcs {
+    // Counterclockwise.
+    let corners: Vec<DVec2> = match shape {
+        Shape::Rect(rect) if rect.min.cmplt(rect.max).all() => rect.corners().map(|p| p.as_dvec2()).into(),
+        Shape::Polygon(polygon) => polygon.corners().iter().map(|p| p.as_dvec2()).collect(),
+        _ => return Arcs::new(),
+    };
     let (eye, count) = (circle.eye, corners.len());
     for i in 0..count {
         let (before, at, after) = (corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count]);

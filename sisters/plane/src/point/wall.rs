@@ -26,6 +26,11 @@ impl Vague {
         Self { v, error: ROUNDINGS * v.abs().max_element() }
     }
 
+    /// The opposite vector, if `back`.
+    pub(crate) fn turned(self, back: bool) -> Self {
+        Self { v: if back { -self.v } else { self.v }, ..self }
+    }
+
     /// The cross product, and its greatest error.
     fn cross(self, other: Self) -> (f64, f64) {
         let (a, b) = (self.v.x * other.v.y, self.v.y * other.v.x);
@@ -104,32 +109,6 @@ impl Wall {
 
     fn is(&self, other: &Self) -> bool {
         self.a == other.a && self.b == other.b
-    }
-}
-
-/// `w` of two walls.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Lead {
-    w: Vague,
-}
-
-impl Lead {
-    /// The direction of [`Lead::crossing`] as a vector.
-    pub(crate) fn direction(&self, flipped: bool) -> Vague {
-        let Vague { v, error } = self.w;
-        Vague { v: if flipped { -v } else { v }, error }
-    }
-
-    /// The direction in which two walls cross, whose numbers are given, if the first is the nearer
-    /// one clockwise of it; if `flipped`, counterclockwise. It is in a closed quarter.
-    pub(crate) fn crossing(&self, walls: [u32; 2], flipped: bool, quarter: u8) -> Direction {
-        let v = self.direction(flipped);
-        let (along, up) = if quarter.is_multiple_of(2) { (v.v.x, v.v.y) } else { (v.v.y, v.v.x) };
-        let size = along.abs() + up.abs();
-        let share = v.error / size;
-        // Not a number, it is not sure.
-        let doubt = if share < HIT_SHARE { CROSSING_KEY * share + KEY / 2.0 } else { f64::INFINITY };
-        Direction { to: To::Crossing { walls, flipped, v }, key: f64::from(quarter) + up.abs() / size, doubt }
     }
 }
 
@@ -222,12 +201,24 @@ impl<'a> Around<'a> {
     }
 
     /// `w` of two walls.
-    pub(crate) fn lead(&self, a: &Wall, b: &Wall) -> Lead {
+    pub(crate) fn lead(&self, a: &Wall, b: &Wall) -> Vague {
         let (p, q) = (a.u.v * b.c.0, b.u.v * a.c.0);
         let size = |v: DVec2| v.abs().max_element();
         let of = |u: Vague, c: (f64, f64)| u.error * (c.0.abs() + c.1) + c.1 * size(u.v);
         let error = of(a.u, b.c) + of(b.u, a.c) + ROUNDINGS * (size(p) + size(q));
-        Lead { w: Vague { v: p - q, error } }
+        Vague { v: p - q, error }
+    }
+
+    /// The direction in which two walls cross, whose numbers are given, if the first is the nearer
+    /// one clockwise of it; if `flipped`, counterclockwise. It is in a closed quarter.
+    pub(crate) fn crossing(&self, walls: [u32; 2], flipped: bool, quarter: u8) -> Direction {
+        let v = self.lead(self.wall(walls[0]), self.wall(walls[1])).turned(flipped);
+        let (along, up) = if quarter.is_multiple_of(2) { (v.v.x, v.v.y) } else { (v.v.y, v.v.x) };
+        let size = along.abs() + up.abs();
+        let share = v.error / size;
+        // Not a number, it is not sure.
+        let doubt = if share < HIT_SHARE { CROSSING_KEY * share + KEY / 2.0 } else { f64::INFINITY };
+        Direction { to: To::Crossing { walls, flipped, v }, key: f64::from(quarter) + up.abs() / size, doubt }
     }
 
     /// Positive if wall `a` is nearer than wall `b` along a direction that both cover, 0 if they
@@ -246,7 +237,7 @@ impl<'a> Around<'a> {
         if a.is(b) {
             return 0.0;
         }
-        let (sign, error) = self.vague(along).cross(self.lead(a, b).w);
+        let (sign, error) = self.vague(along).cross(self.lead(a, b));
         if sign.abs() > error {
             return sign;
         }

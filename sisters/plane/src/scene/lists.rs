@@ -29,14 +29,14 @@ pub(crate) struct CellLists {
     numbers: Vec<u32>,
     blocks: Vec<[Cell; CELLS]>,
     /// The cells whose lists have entries.
-    occupied: CrossBits,
+    pub(crate) occupied: CrossBits,
 }
 
 impl CellLists {
     pub(crate) fn new(grid: &Grid) -> Self {
-        let blocks = (grid.dims() + BLOCK - 1) / BLOCK;
+        let blocks = (grid.dims + BLOCK - 1) / BLOCK;
         let numbers = vec![NO_BLOCK; (blocks.x * blocks.y) as usize];
-        let occupied = CrossBits::new(grid.dims().as_uvec2());
+        let occupied = CrossBits::new(grid.dims.as_uvec2());
         Self { stride: blocks.x as usize, numbers, blocks: Vec::new(), occupied }
     }
 
@@ -53,11 +53,6 @@ impl CellLists {
             NO_BLOCK => &[],
             number => &self.blocks[number as usize][inner],
         }
-    }
-
-    /// The cells that objects touch.
-    pub(crate) fn occupied(&self) -> &CrossBits {
-        &self.occupied
     }
 
     /// Adds an object to the lists of the cells that its shape touches.

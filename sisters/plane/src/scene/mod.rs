@@ -13,9 +13,49 @@ use crate::error::Error;
 use crate::geometry::Shape;
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
-use crate::object::{ObjectDesc, check_pair};
+use crate::numeric::{OCCLUDER_ROUNDING, OCCLUDER_SHARE};
 use crate::raster::touched;
 use crate::scene::lists::CellLists;
+
+/// An object to insert into a scene. It may move at any time ([`crate::Scene::update`]).
+///
+/// ```
+/// use casca_plane::{Disc, ObjectDesc, Segment};
+/// use glam::Vec2;
+///
+/// let wall = Segment::new(Vec2::ZERO, Vec2::new(10.0, 0.0));
+/// let wall = ObjectDesc::new(wall).occluder(wall);
+/// let guard = ObjectDesc::new(Disc::new(Vec2::splat(5.0), 0.4)).user_data(7);
+/// # let _ = (wall, guard);
+/// ```
+#[derive(Debug, Clone)]
+pub struct ObjectDesc {
+    bounds: Shape,
+    occluder: Option<Shape>,
+    user_data: u64,
+}
+
+impl ObjectDesc {
+    /// An object that hides nothing.
+    pub fn new(bounds: impl Into<Shape>) -> Self {
+        Self { bounds: bounds.into(), occluder: None, user_data: 0 }
+    }
+
+    /// Lets the object hide others. The occluder must lie inside the bounds.
+    #[must_use]
+    pub fn occluder(mut self, occluder: impl Into<Shape>) -> Self {
+        self.occluder = Some(occluder.into());
+        self
+    }
+
+    /// Gives the object a number of the application's, 0 if none is given: see
+    /// [`crate::Scene::user_data`].
+    #[must_use]
+    pub fn user_data(mut self, user_data: u64) -> Self {
+        self.user_data = user_data;
+        self
+    }
+}
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
@@ -40,11 +80,13 @@ use crate::scene::lists::CellLists;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Scene {
-    grid: Grid,
+    pub(crate) grid: Grid,
     slots: Slots<Object>,
-    lists: CellLists,
-    /// The slots of objects that are in no cells, as they are too large or leave the grid.
-    outer: Vec<Slot>,
+    /// The objects that touch each cell.
+    pub(crate) lists: CellLists,
+    /// The slots of objects that are in no cells, as they are too large or leave the grid: every
+    /// query looks at them.
+    pub(crate) outer: Vec<Slot>,
 }
 
 /// An object in its slot.
@@ -120,7 +162,7 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
     pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Shape>) -> Result<(), Error> {
-        check_pair(self.bounds(id)?, occluder.as_ref())?;
+        check_pair(&self.find(id)?.bounds, occluder.as_ref())?;
         if let Some(object) = self.slots.get_mut(id.slot()) {
             object.occluder = occluder;
         }
@@ -171,15 +213,10 @@ impl Scene {
         if !grid.surrounds(block.min, block.max) {
             return true;
         }
-        let most = 4 * (grid.dims().x + grid.dims().y) as u64;
+        let most = 4 * (grid.dims.x + grid.dims.y) as u64;
         let mut cells = 0;
         touched(bounds, grid, &mut |_, xs| cells += xs.count() as u64);
         cells > most
-    }
-
-    /// The grid.
-    pub(crate) fn grid(&self) -> &Grid {
-        &self.grid
     }
 
     /// Number of objects.
@@ -197,39 +234,12 @@ impl Scene {
         self.find(id).is_ok()
     }
 
-    /// The bounds of an object.
-    ///
-    /// # Errors
-    /// Refuses an id that names no object of this scene.
-    pub fn bounds(&self, id: ObjectId) -> Result<&Shape, Error> {
-        Ok(&self.find(id)?.bounds)
-    }
-
-    /// The occluder of an object, if it has one.
-    ///
-    /// # Errors
-    /// Refuses an id that names no object of this scene.
-    pub fn occluder(&self, id: ObjectId) -> Result<Option<&Shape>, Error> {
-        Ok(self.find(id)?.occluder.as_ref())
-    }
-
     /// The number that the application gave to an object.
     ///
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn user_data(&self, id: ObjectId) -> Result<u64, Error> {
         Ok(self.find(id)?.user_data)
-    }
-
-    /// The objects that touch each cell.
-    pub(crate) fn lists(&self) -> &CellLists {
-        &self.lists
-    }
-
-    /// The objects that are in no cells, as they are too large or leave the grid: every query looks
-    /// at them.
-    pub(crate) fn outer(&self) -> &[Slot] {
-        &self.outer
     }
 
     /// Number of slots: all slots of objects are below.
@@ -256,4 +266,19 @@ impl Scene {
     fn find(&self, id: ObjectId) -> Result<&Object, Error> {
         self.slots.find(id.0).ok_or(Error::UnknownObject(id))
     }
+}
+
+/// Refuses bounds and occluders that are no shapes, and occluders that plainly stick out of their
+/// bounds.
+fn check_pair(bounds: &Shape, occluder: Option<&Shape>) -> Result<(), Error> {
+    bounds.check("the bounds")?;
+    let Some(occluder) = occluder else { return Ok(()) };
+    occluder.check("the occluder")?;
+    let (outer, inner) = (bounds.block(), occluder.block());
+    let by = (outer.min - inner.min).max(inner.max - outer.max).max_element();
+    let reach = outer.min.abs().max(outer.max.abs()).max_element();
+    if by > OCCLUDER_SHARE * (outer.max - outer.min).length() + OCCLUDER_ROUNDING * reach {
+        return Err(Error::OccluderOutside { by });
+    }
+    Ok(())
 }

@@ -4,8 +4,7 @@ use crate::bits::BitGrid;
 use crate::error::Error;
 use crate::geometry::Rect;
 use crate::id::ObjectId;
-use crate::object::ObjectDesc;
-use crate::scene::Scene;
+use crate::scene::{ObjectDesc, Scene};
 use crate::tiles::TileLayer;
 
 /// Tiles from `x` to before `end`, in rows from `y` to before `top`.

@@ -1,9 +1,10 @@
 //! Fog of war: the tiles that a group of viewers has seen.
 
+use glam::UVec2;
+
 use crate::bits::BitGrid;
 use crate::error::Error;
-use crate::tiles::fov::FieldOfView;
-use crate::tiles::marks::Marks;
+use crate::tiles::fov::{FieldOfView, Marks};
 
 /// What a group of viewers knows of a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -67,10 +68,9 @@ impl Fog {
     /// A field of view on a map of other dimensions, or one that has not run yet.
     pub fn add(&mut self, fov: &FieldOfView) -> Result<(), Error> {
         let (tiles, (columns, rows)) = (fov.seen(), fov.bounds());
-        let (width, height) = (self.ever.width(), self.ever.height());
-        if (tiles.width(), tiles.height()) != (width, height) {
-            let (found_width, found_height) = (tiles.width(), tiles.height());
-            return Err(Error::Dimensions { found_width, found_height, width, height });
+        let [found, map] = [tiles, &self.ever].map(|bits| UVec2::new(bits.width(), bits.height()));
+        if found != map {
+            return Err(Error::Dimensions { found, map });
         }
         let words = columns.start as usize / 64..(columns.end as usize).div_ceil(64);
         for y in rows.clone() {

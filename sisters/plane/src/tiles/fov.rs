@@ -2,17 +2,15 @@
 
 use std::ops::Range;
 
+use glam::UVec2;
+
 use crate::bits::{BitGrid, fill};
 use crate::error::Error;
-use crate::tiles::marks::Marks;
-use crate::tiles::octant::Octant;
-use crate::tiles::opaque::OpaqueTiles;
-use crate::tiles::options::FovOptions;
-use crate::tiles::point::TilePoint;
-use crate::tiles::ray::Sink;
+use crate::tiles::octant::{Octant, Sink};
+use crate::tiles::opaque::{OpaqueTiles, add_transposed};
+use crate::tiles::options::{FovOptions, TilePoint};
 use crate::tiles::sweep::Sweep;
 use crate::tiles::tile_sweep::TileSweep;
-use crate::tiles::transpose::add_transposed;
 
 /// Finds the tiles that an eye sees, exactly.
 ///
@@ -81,9 +79,9 @@ impl FieldOfView {
         y: u32,
         options: &FovOptions,
     ) -> Result<&BitGrid, Error> {
-        let (width, height) = (opaque.width(), opaque.height());
-        if x >= width || y >= height {
-            return Err(Error::Outside { x, y, width, height });
+        let (tile, size) = (UVec2::new(x, y), UVec2::new(opaque.width(), opaque.height()));
+        if tile.cmpge(size).any() {
+            return Err(Error::Outside { tile, size });
         }
         Ok(self.sweep_all(opaque, Eyes::In([x, y]), options))
     }
@@ -119,6 +117,41 @@ impl FieldOfView {
     }
 }
 
+/// Tiles that are marked, and the columns and rows that hold them.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Marks {
+    pub bits: BitGrid,
+    pub columns: Range<u32>,
+    pub rows: Range<u32>,
+}
+
+impl Marks {
+    /// Clears all marks. There is one for each bit of `like` then.
+    pub fn clear(&mut self, like: &BitGrid) {
+        if (self.bits.width(), self.bits.height()) != (like.width(), like.height()) {
+            self.bits = BitGrid::new(like.width(), like.height());
+        } else if !self.columns.is_empty() {
+            let words = self.columns.start as usize / 64..(self.columns.end as usize).div_ceil(64);
+            for y in self.rows.clone() {
+                self.bits.row_mut(y)[words.clone()].fill(0);
+            }
+        }
+        (self.columns, self.rows) = (0..0, 0..0);
+    }
+
+    /// Marks lie in these columns and rows, too.
+    pub fn widen(&mut self, columns: Range<u32>, rows: Range<u32>) {
+        let union = |a: &Range<u32>, b: Range<u32>| match a.is_empty() {
+            true => b,
+            false => a.start.min(b.start)..a.end.max(b.end),
+        };
+        if !columns.is_empty() && !rows.is_empty() {
+            self.columns = union(&self.columns, columns);
+            self.rows = union(&self.rows, rows);
+        }
+    }
+}
+
 /// Who looks.
 #[derive(Clone, Copy)]
 enum Eyes {
@@ -137,7 +170,9 @@ fn mark_octant<const MIRROR: bool>(
     eyes: Eyes,
     options: &FovOptions,
 ) {
-    let mut marker = Marker::<MIRROR>::new(&mut marks.bits, octant.flip_y);
+    let none = Range { start: usize::MAX, end: 0 };
+    let (bits, flip_y) = (&mut marks.bits, octant.flip_y);
+    let mut marker = Marker::<MIRROR> { bits, flip_y, y: 0, columns: none.clone(), rows: none };
     match eyes {
         Eyes::At(eye) => sweep.run::<MIRROR>(tiles, octant, eye, options, &mut marker),
         Eyes::In(tile) => tile_sweep.run::<MIRROR>(tiles, octant, tile, options.range, &mut marker),
@@ -157,12 +192,7 @@ struct Marker<'a, const MIRROR: bool> {
     rows: Range<usize>,
 }
 
-impl<'a, const MIRROR: bool> Marker<'a, MIRROR> {
-    fn new(bits: &'a mut BitGrid, flip_y: bool) -> Self {
-        let none = Range { start: usize::MAX, end: 0 };
-        Self { bits, flip_y, y: 0, columns: none.clone(), rows: none }
-    }
-
+impl<const MIRROR: bool> Marker<'_, MIRROR> {
     /// The columns and rows of the map that hold the marks.
     fn bounds(&self) -> (Range<u32>, Range<u32>) {
         let part = |range: &Range<usize>, size: u32, flip: bool| {

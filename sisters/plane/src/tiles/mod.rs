@@ -6,21 +6,13 @@
 
 mod fog;
 mod fov;
-mod layer;
-mod marks;
 mod octant;
 mod opaque;
 mod options;
-mod point;
-mod ray;
-mod scan;
 mod sweep;
 mod tile_sweep;
-mod transpose;
 
 pub use fog::{Fog, TileState};
 pub use fov::FieldOfView;
-pub use layer::TileLayer;
-pub use opaque::OpaqueTiles;
-pub use options::FovOptions;
-pub use point::TilePoint;
+pub use opaque::{OpaqueTiles, TileLayer};
+pub use options::{FovOptions, TilePoint};

@@ -1,9 +1,43 @@
-//! Limits of a field of view: how far, and in which directions.
+//! Who looks: from where, how far, and in which directions.
 
 use glam::Vec2;
 
 use crate::error::{Error, LEAST, finite2, within};
-use crate::numeric::tiles::{DIRECTION, SECTOR, TILE};
+use crate::numeric::tiles::{DIRECTION, FARTHEST, SECTOR, TILE};
+
+/// A position on a map, in tiles: tile `(x, y)` is the square from `(x, y)` to `(x + 1, y + 1)`.
+///
+/// A whole multiple of `2^-28` of a tile: numbers of single precision from 1/16 on are held
+/// exactly, others are rounded to the nearest multiple. All that follows from a position is exact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct TilePoint {
+    /// In units of 1 / [`TILE`], at most 2^60.
+    units: [i64; 2],
+}
+
+impl TilePoint {
+    /// A position. May lie outside of the map, on borders and corners of tiles, and in opaque
+    /// tiles.
+    ///
+    /// # Errors
+    /// A coordinate that is not finite, or whose magnitude exceeds `2^32` tiles.
+    pub fn new(x: f64, y: f64) -> Result<Self, Error> {
+        let units = |what, value| {
+            within(what, value, [-FARTHEST, FARTHEST]).map(|v| (v * TILE as f64).round_ties_even() as i64)
+        };
+        Ok(Self { units: [units("the x of a position", x)?, units("the y of a position", y)?] })
+    }
+
+    /// The centre of a tile.
+    pub fn center_of(x: u32, y: u32) -> Self {
+        Self { units: [x, y].map(|at| i64::from(at) * TILE + TILE / 2) }
+    }
+
+    /// The coordinates in units of 1 / [`TILE`].
+    pub(super) fn units(self) -> [i64; 2] {
+        self.units
+    }
+}
 
 /// How far and in which directions a viewer sees.
 ///
@@ -99,7 +133,7 @@ impl Sector {
         finite2(what, direction)?;
         let [x, y] = direction.as_dvec2().to_array();
         if direction == Vec2::ZERO {
-            return Err(Error::NoDirection { what });
+            return Err(Error::NoDirection);
         }
         let half = within("the half angle of a sector", half_angle.into(), [LEAST, f64::INFINITY])? + SECTOR;
         if half >= std::f64::consts::PI - SECTOR {

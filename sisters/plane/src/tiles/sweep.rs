@@ -8,10 +8,8 @@
 
 use crate::bits::BitGrid;
 use crate::numeric::tiles::TILE;
-use crate::tiles::octant::Octant;
+use crate::tiles::octant::{Beam, Octant, Ray, Row, Sink};
 use crate::tiles::options::{FovOptions, Range};
-use crate::tiles::ray::{Beam, Ray, Sink};
-use crate::tiles::scan::Row;
 
 /// The memory of sweeps.
 #[derive(Debug, Clone, Default)]

@@ -22,10 +22,8 @@ use smallvec::SmallVec;
 
 use crate::bits::BitGrid;
 use crate::numeric::tiles::TILE;
-use crate::tiles::octant::Octant;
+use crate::tiles::octant::{Octant, Ray, Row, Sink};
 use crate::tiles::options::Range;
-use crate::tiles::ray::{Ray, Sink};
-use crate::tiles::scan::Row;
 
 /// A corner of a tile: column and row.
 type Corner = [i64; 2];

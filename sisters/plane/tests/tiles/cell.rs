@@ -4,8 +4,6 @@
 #[allow(dead_code)]
 #[path = "../../examples/cell/caps.rs"]
 mod caps;
-#[path = "../../examples/cell/circle.rs"]
-mod circle;
 
 use caps::Walk;
 use casca_plane::BitGrid;

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use casca_plane::{BitGrid, Error, FieldOfView, Fog, FovOptions, OpaqueTiles, TileState};
+use glam::UVec2;
 use proptest::prelude::*;
 
 use crate::cases::cases;
@@ -52,6 +53,6 @@ proptest! {
 #[test]
 fn fields_of_view_of_other_maps_are_refused() {
     let mut fog = Fog::new(8, 8);
-    let found = Error::Dimensions { found_width: 0, found_height: 0, width: 8, height: 8 };
-    assert_eq!(fog.add(&FieldOfView::new()), Err(found));
+    let other = Error::Dimensions { found: UVec2::ZERO, map: UVec2::splat(8) };
+    assert_eq!(fog.add(&FieldOfView::new()), Err(other));
 }

@@ -76,8 +76,8 @@ proptest! {
         direction in proptest::array::uniform2(any::<f32>()),
         half: f32,
     ) {
-        let near = point(eye);
-        let Ok(eye) = TilePoint::new(near.x() + far[0], near.y() + far[1]) else { return Ok(()) };
+        let [x, y] = eye.map(|at| at as f64 / UNIT as f64);
+        let Ok(eye) = TilePoint::new(x + far[0], y + far[1]) else { return Ok(()) };
         let options = FovOptions::default();
         let options = options.in_circle(radius).unwrap_or(options);
         let options = options.in_sector(Vec2::from(direction), half).unwrap_or(options);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use casca_plane::{BitGrid, Error, FieldOfView, FovOptions, OpaqueTiles};
-use glam::IVec2;
+use glam::{IVec2, UVec2};
 use proptest::prelude::*;
 
 use crate::cases::cases;
@@ -101,5 +101,5 @@ fn long_walls_and_single_tiles_hide() {
     assert!(seen.contains(&(0, 2)) && seen.contains(&(6, 2)));
     let mut fov = FieldOfView::new();
     let outside = fov.run_from_tile(&OpaqueTiles::new(map), 7, 0, &FovOptions::default());
-    assert_eq!(outside, Err(Error::Outside { x: 7, y: 0, width: 7, height: 6 }));
+    assert_eq!(outside, Err(Error::Outside { tile: UVec2::new(7, 0), size: UVec2::new(7, 6) }));
 }

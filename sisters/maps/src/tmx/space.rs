@@ -1,0 +1,167 @@
+//! Where layers and tiles lie: the pixels of maps, groups, and the chunks of layers.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::{DMat2, DVec2, I64Vec2};
+
+use super::names::{Role, Rule};
+use super::xml::Element;
+use crate::MapError;
+
+/// Coordinates in tiles, at most.
+pub const FARTHEST: f64 = (1u64 << 30) as f64;
+
+/// Tiles along a side of a map, at most: the editor makes no larger ones.
+const LONGEST_SIDE: i64 = 1 << 20;
+
+/// Shifts of layers in tiles that differ by less than this from whole numbers are whole: the editor
+/// writes offsets in decimals.
+const WHOLE: f64 = 1e-6;
+
+/// How a map shows its tiles.
+#[derive(Debug, Clone, Copy)]
+pub struct Space {
+    isometric: bool,
+    /// The width and the height of a tile in pixels.
+    tile: DVec2,
+    /// Columns and rows; `None` for infinite maps.
+    size: Option<I64Vec2>,
+}
+
+impl Space {
+    pub fn read(map: Element<'_>) -> Result<Self, MapError> {
+        let orientation = map.required("orientation")?;
+        if !["orthogonal", "isometric"].contains(&orientation) {
+            return Err(map.damaged(format!(
+                "the map is {orientation:.40}, but only orthogonal and isometric maps have rows and columns of \
+                 squares: choose one (Map, Map Properties, Orientation)"
+            )));
+        }
+        let size = if map.attribute("infinite") == Some("1") { None } else { Some(size_of(map)?) };
+        let [width, height] = [map.number::<u32>("tilewidth")?, map.number("tileheight")?].map(f64::from);
+        if width == 0.0 || height == 0.0 {
+            return Err(map.damaged("tiles of no size"));
+        }
+        Ok(Self { isometric: orientation == "isometric", tile: DVec2::new(width, height), size })
+    }
+
+    /// A place on the screen in pixels as one in tiles, column and row.
+    pub fn tiles(self, place: DVec2) -> DVec2 {
+        let DVec2 { x, y } = place / self.tile;
+        // Rows of isometric maps go down to the left, columns down to the right.
+        if self.isometric { DVec2::new(y + x, y - x) } else { DVec2::new(x, y) }
+    }
+
+    /// A shift in whole tiles; `None` if it is none.
+    pub fn whole_tiles(self, shift: DVec2) -> Option<I64Vec2> {
+        let tiles = self.tiles(shift);
+        let whole = (tiles - tiles.round()).abs().max_element() < WHOLE;
+        (whole && tiles.abs().max_element() <= FARTHEST).then(|| tiles.round().as_i64vec2())
+    }
+
+    /// From coordinates of objects to the screen. Those of isometric maps count along columns and
+    /// rows, with the height of a tile for each.
+    pub fn screen(self) -> DMat2 {
+        if !self.isometric {
+            return DMat2::IDENTITY;
+        }
+        let right = self.tile.x / self.tile.y / 2.0;
+        DMat2::from_cols(DVec2::new(right, 0.5), DVec2::new(-right, 0.5))
+    }
+
+    /// The chunks of a layer of tiles.
+    pub fn chunks<'x>(self, layer: &Layer<'x>) -> Result<Vec<Chunk<'x>>, MapError> {
+        let mut chunks = Vec::new();
+        for data in layer.element.all("data") {
+            if let Some(size) = self.size {
+                chunks.push(Chunk { element: data, data, at: I64Vec2::ZERO, size });
+                continue;
+            }
+            for element in data.all("chunk") {
+                let [x, y] = [element.number::<i32>("x")?, element.number("y")?].map(i64::from);
+                chunks.push(Chunk { element, data, at: I64Vec2::new(x, y), size: size_of(element)? });
+            }
+        }
+        if let Some(size) = self.size {
+            let found = size_of(layer.element)?;
+            if found != size {
+                let why =
+                    format!("{} by {} tiles, but the map has {} by {}", found.x, found.y, size.x, size.y);
+                return Err(layer.damaged(why));
+            }
+            if chunks.is_empty() && size.min_element() > 0 {
+                return Err(layer.damaged("it has no tiles"));
+            }
+        }
+        Ok(chunks)
+    }
+}
+
+/// The columns and rows of a map, a layer or a chunk.
+fn size_of(element: Element<'_>) -> Result<I64Vec2, MapError> {
+    let [width, height] = [element.number::<u32>("width")?, element.number("height")?].map(i64::from);
+    if width.max(height) > LONGEST_SIDE {
+        let why = format!("{width} by {height} tiles: at most {LONGEST_SIDE} along a side are read");
+        return Err(element.damaged(why));
+    }
+    Ok(I64Vec2::new(width, height))
+}
+
+/// Tiles from a place on: a part of an infinite layer, or all of another one.
+#[derive(Clone, Copy)]
+pub struct Chunk<'x> {
+    pub element: Element<'x>,
+    /// Says how its text is stored.
+    pub data: Element<'x>,
+    pub at: I64Vec2,
+    pub size: I64Vec2,
+}
+
+/// A layer, with what its groups and it itself say of all that is in it.
+pub struct Layer<'x> {
+    pub element: Element<'x>,
+    pub name: Arc<str>,
+    /// In pixels.
+    pub shift: DVec2,
+    pub role: Option<Role>,
+}
+
+impl<'x> Layer<'x> {
+    /// The layers of tiles and of objects, also those in groups.
+    pub fn all(map: Element<'x>, rule: &Rule) -> Result<Vec<Self>, MapError> {
+        let mut found = Vec::new();
+        let mut open = vec![(map.children(), DVec2::ZERO, None)];
+        while let Some((children, shift, role)) = open.last_mut() {
+            let Some(child) = children.next() else {
+                // The end of a group, or of the map.
+                open.pop();
+                continue;
+            };
+            if !["group", "layer", "objectgroup"].contains(&child.name()) {
+                continue;
+            }
+            let shift = *shift + DVec2::new(child.decimal("offsetx")?, child.decimal("offsety")?);
+            let named = || ["class", "name"].into_iter().find_map(|name| rule.role(child.attribute(name)?));
+            let role = rule.properties(child).role().or_else(named).or(*role);
+            if child.name() == "group" {
+                open.push((child.children(), shift, role));
+            } else {
+                let name = child.attribute("name").unwrap_or_default().into();
+                found.push(Self { element: child, name, shift, role });
+            }
+        }
+        Ok(found)
+    }
+
+    /// Its name as warnings show it.
+    pub fn short_name(&self) -> String {
+        const MOST_LETTERS: usize = 40;
+        self.name.chars().take(MOST_LETTERS).collect()
+    }
+
+    /// What is wrong with it.
+    pub fn damaged(&self, why: impl fmt::Display) -> MapError {
+        self.element.damaged(format!("the layer {:?}: {why}", self.short_name()))
+    }
+}
