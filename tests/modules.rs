@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 18] = [
+const ROOTS: [&str; 19] = [
     "src",
     "crates/scenes/src",
     "crates/truth/src",
@@ -22,6 +22,7 @@ const ROOTS: [&str; 18] = [
     "sisters/lines/src",
     "sisters/fur/src",
     "sisters/light/src",
+    "sisters/lightmap/src",
     "fronts/stage/src",
     "fronts/viewer/src",
     "fronts/bevy_casca/src",
@@ -37,7 +38,7 @@ const ROOTS: [&str; 18] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 28] = [
+const MOST: [(&str, usize); 29] = [
     ("src", 41600),
     ("tests", 11850),
     ("crates/cache", 400),
@@ -49,6 +50,7 @@ const MOST: [(&str, usize); 28] = [
     ("sisters/fur", 8800),
     ("sisters/images", 250),
     ("sisters/light", 9750),
+    ("sisters/lightmap", 1750),
     ("sisters/lines", 8750),
     ("sisters/lit", 550),
     ("sisters/plane", 11950),
