@@ -49,7 +49,7 @@ const MOST: [(&str, usize); 29] = [
     ("crates/truth", 9200),
     ("sisters/fur", 8800),
     ("sisters/images", 250),
-    ("sisters/light", 9750),
+    ("sisters/light", 9500),
     ("sisters/lightmap", 1750),
     ("sisters/lines", 8750),
     ("sisters/lit", 550),

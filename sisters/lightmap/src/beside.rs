@@ -1,7 +1,7 @@
 //! Lightmaps beside a path tracer.
 
 use casca_radiosity::lit::LitScene;
-use casca_radiosity::lit::path::{PathTracer, Quantity};
+use casca_radiosity::lit::path::PathTracer;
 use casca_scenes::world::Camera;
 use glam::Vec3;
 
@@ -40,9 +40,10 @@ pub fn beside(scene: &LitScene, placed: &[Placed], found: &Light, count: usize, 
             continue;
         }
         let camera = Camera::look_at(eye, t.point, 40.0, 1.0, 0.1 * ABOVE, 2.0 * ABOVE);
-        let orders = Quantity::Radiance(1..=256);
         // One pixel is never too many.
-        let Ok(truth) = tracer.render(&camera, (1, 1), &orders, samples, t.number.into()) else { continue };
+        let Ok(truth) = tracer.render(&camera, (1, 1), &(1..=256), samples, t.number.into()) else {
+            continue;
+        };
         let off = albedo * found.texels[t.number as usize] - truth.image[0];
         // The mean of a normal distribution's distance from its middle.
         let noise = truth.error[0].element_sum() * (2.0 / std::f32::consts::PI).sqrt();

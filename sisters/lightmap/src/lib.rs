@@ -24,7 +24,7 @@ pub use error::BakeError;
 pub use file::Level;
 pub use ktx2::unpacked;
 pub use light::{Light, light};
-pub use probes::{FACES, Probes};
+pub use probes::Probes;
 pub use uvunwrap::{Atlas, InstanceRect, OutputMesh};
 
 /// How a level is baked.
@@ -44,13 +44,11 @@ pub struct Settings {
     /// Lights that are no surfaces stay with the engine, and lightmaps have only what comes from their
     /// light by bounces.
     pub live: bool,
-    /// Threads, 1 to 4096. Results do not depend on them.
-    pub threads: u32,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { texels: 8.0, side: 4096, spacing: 1.0, cells: 64, rays: 256, live: false, threads: 1 }
+        Self { texels: 8.0, side: 4096, spacing: 1.0, cells: 64, rays: 256, live: false }
     }
 }
 
@@ -60,7 +58,6 @@ impl Settings {
             ("texels a metre", self.texels, 0.01, 1000.0),
             ("texels of the longest side", self.side as f32, 64.0, 8192.0),
             ("metres between probes", self.spacing, 1e-3, 1e6),
-            ("threads", self.threads as f32, 1.0, 4096.0),
         ] {
             // Not so for what is no number.
             if !(least..=most).contains(&value) {

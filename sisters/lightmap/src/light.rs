@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use casca_radiosity::lit::LitScene;
 use casca_radiosity::{Cache, Grid, LightError, Scene, Statistics};
 use glam::Vec3;
+use rayon::{current_num_threads, prelude::*};
 
 use uvunwrap::Atlas;
 
@@ -37,8 +38,9 @@ pub struct Light {
     pub statistics: Statistics,
 }
 
-/// Lights the texels of meshes, and probes around the scene that these stand in. `progress` is told what
-/// is done, how much of it, and of how much.
+/// Lights the texels of meshes, and probes around the scene that these stand in, by the threads of the
+/// current pool of `rayon`, on which results do not depend. `progress` is told what is done, how much of
+/// it, and of how much.
 ///
 /// # Errors
 /// As [`unwrap`] and [`Probes::new`], and the scene cannot be lit.
@@ -59,8 +61,8 @@ pub fn light(
     let places = (0..probes.cubes.len()).map(|i| probes.place(i));
     let cubes: Vec<(Vec3, Vec3)> = places.flat_map(|p| FACES.map(|face| (p, face))).collect();
 
-    let how = casca_radiosity::Settings::new(grid);
-    let how = casca_radiosity::Settings { threads: settings.threads, answer_rays: ANSWER_RAYS, ..how };
+    let mut how = casca_radiosity::Settings::new(grid);
+    (how.threads, how.answer_rays) = (current_num_threads() as u32, ANSWER_RAYS);
     let mut cache = Cache::new(&given, how)?;
     let all = questions.len() + cubes.len();
     for (i, (point, normal)) in questions.iter().chain(&cubes).enumerate() {
@@ -70,13 +72,11 @@ pub fn light(
         cache.request(*point, *normal)?;
     }
     let rays = (settings.rays, settings.rays.div_ceil(FARTHER));
-    loop {
+    let mut sent = 0;
+    while cache.waiting() > 0 {
+        sent += cache.waiting().min(PART);
         let waiting = cache.gather_part(rays, PART)?;
-        let sent = cache.statistics().gathered;
         progress("sending rays", sent, sent + waiting);
-        if waiting == 0 {
-            break;
-        }
     }
     progress("passing light along", 0, 1);
     cache.direct();
@@ -84,10 +84,10 @@ pub fn light(
     if settings.live {
         cache.set_lights(&[])?;
     }
-    let found = answers(&cache, &questions, settings.threads, ("lighting texels", progress))?;
+    let found = answers(&cache, &questions, ("lighting texels", progress))?;
     // Engines light what moves themselves.
     cache.set_lights(&[])?;
-    let open = answers(&cache, &cubes, settings.threads, ("lighting probes", progress))?;
+    let open = answers(&cache, &cubes, ("lighting probes", progress))?;
     for (cube, six) in probes.cubes.iter_mut().zip(open.as_chunks().0) {
         *cube = *six;
     }
@@ -127,11 +127,10 @@ pub fn light(
     Ok(Light { atlas, texels: pages, lit: found.len(), probes, statistics })
 }
 
-/// What matt white surfaces scatter at points with normals, in order, by some threads.
+/// What matt white surfaces scatter at points with normals, in order.
 fn answers(
     cache: &Cache,
     questions: &[(Vec3, Vec3)],
-    threads: u32,
     (what, progress): (&str, &mut dyn FnMut(&str, usize, usize)),
 ) -> Result<Vec<Vec3>, LightError> {
     let of = |(point, normal): &(Vec3, Vec3)| {
@@ -139,20 +138,9 @@ fn answers(
         Ok((light.direct + light.indirect) / PI)
     };
     let mut found = Vec::with_capacity(questions.len());
-    for round in questions.chunks(PART * threads as usize) {
+    for part in questions.chunks(PART) {
         progress(what, found.len(), questions.len());
-        let parts = round.chunks(round.len().div_ceil(threads as usize).max(1));
-        let of_part = |part: &[(Vec3, Vec3)]| part.iter().map(of).collect::<Result<Vec<_>, LightError>>();
-        let parts: Vec<_> = std::thread::scope(|scope| {
-            let running: Vec<_> = parts.map(|part| scope.spawn(move || of_part(part))).collect();
-            running
-                .into_iter()
-                .map(|t| t.join().unwrap_or_else(|why| std::panic::resume_unwind(why)))
-                .collect()
-        });
-        for part in parts {
-            found.extend(part?);
-        }
+        found.extend(part.par_iter().map(of).collect::<Result<Vec<_>, LightError>>()?);
     }
     Ok(found)
 }

@@ -6,7 +6,7 @@ use glam::{UVec3, Vec3};
 use crate::{Backs, BakeError};
 
 /// What surfaces along each axis face, in the order of [`Probes::cubes`].
-pub const FACES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+pub(crate) const FACES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
 /// Texels along a side of a texture of three dimensions that each device takes.
 const MOST_SIDE: f32 = 2048.0;
 /// Probes that a grid has at most: rays of each of them are many.

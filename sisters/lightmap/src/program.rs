@@ -1,7 +1,6 @@
 //! The command `casca light bake`.
 
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 
 use casca_radiosity::Light;
 use casca_radiosity::lit::LitScene;
@@ -83,7 +82,6 @@ pub fn run(options: &Options) -> Result<Outcome, Box<dyn std::error::Error>> {
         spacing: options.probes,
         cells: options.lighting.resolution,
         live: options.live,
-        threads: available_parallelism().map_or(1, |n| n.get() as u32),
         ..Settings::default()
     };
     let mut told = (String::new(), 0);

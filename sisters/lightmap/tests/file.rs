@@ -11,8 +11,7 @@ use serde_json::Value;
 #[path = "../../../crates/scenes/src/import/tests/parts.rs"]
 mod parts;
 
-const FAST: Settings =
-    Settings { texels: 4.0, side: 256, spacing: 1.0, cells: 16, rays: 16, live: false, threads: 2 };
+const FAST: Settings = Settings { texels: 4.0, side: 256, spacing: 1.0, cells: 16, rays: 16, live: false };
 
 /// A floor that stands twice, the second time mirrored and larger; the same one on a lift; and a line in
 /// its mesh. Its corners have one more attribute, of three bytes.

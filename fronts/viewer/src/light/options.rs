@@ -119,6 +119,9 @@ mod tests {
             ("--from 1,2,3 --to 1,2,3", "same point"),
             ("--from 1,2,3e38 --to 1,2,3", "numbers up to 1e15"),
             ("--headless --layers colour", "indirect"),
+            ("bake hall.glb", "--out"),
+            ("bake hall.glb --out lit.glb --resolution 7", "8..=512"),
+            ("hall.glb --headless bake hall.glb --out lit.glb", "cannot be used"),
         ] {
             let said = read(&words.split(' ').collect::<Vec<_>>()).expect_err(words);
             assert!(said.contains(word), "{words}: {said}");
@@ -147,6 +150,9 @@ mod tests {
             path.to_str().unwrap().to_owned()
         };
         let empty = br#"{"asset": {"version": "2.0"}}"#;
+        let lit = folder.join("lit.glb");
+        let bake = parsed::<Options>(&["bake", "no/such.glb", "--out", lit.to_str().unwrap()]).unwrap();
+        assert!(bake.run().unwrap_err().to_string().contains("no/such.glb: ") && !lit.exists());
         for (scene, word) in [
             ("no/such.glb".to_owned(), "no/such.glb: cannot be read"),
             (file("broken.glb", b"glTF, but no more"), "broken.glb: is not a valid"),
