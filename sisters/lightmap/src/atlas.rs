@@ -181,8 +181,9 @@ impl Placed {
         let least = LEAST_HEIGHT * (high - low).as_dvec3().length();
         self.corners().any(|[a, b, c]| {
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            let twice = (b - a).cross(c - a).length();
             // What is not finite is refused by name.
-            !((b - a).cross(c - a).length() <= least * longest)
+            twice.is_nan() || twice > least * longest
         })
     }
 }

@@ -16,8 +16,8 @@ const BRIGHTEST: f32 = 65408.0;
 /// A colour in 32 bits. What is no number or less than 0 becomes 0; the greatest channel errs by 1 in
 /// 512 at most, and others by as much.
 pub(crate) fn packed(color: Vec3) -> u32 {
-    // Not a number becomes 0, too.
-    let channels = color.to_array().map(|c| c.max(0.0).min(BRIGHTEST));
+    // Not so for what is no number.
+    let channels = color.to_array().map(|c| if c > 0.0 { c.min(BRIGHTEST) } else { 0.0 });
     let most = channels.into_iter().fold(0.0, f32::max);
     // Whole exponents, as bits say them: logarithms round.
     let exponent = |x: f32| (((x.to_bits() >> 23) as i32 - 127) + 1 + BIAS).max(0);
@@ -27,13 +27,13 @@ pub(crate) fn packed(color: Vec3) -> u32 {
         shared += 1;
     }
     let [r, g, b] = channels.map(|c| steps(c, shared));
-    r | g << 9 | b << 18 | (shared as u32) << 27
+    r | (g << 9) | (b << 18) | ((shared as u32) << 27)
 }
 
 /// The colour that 32 bits stand for.
 pub fn unpacked(bits: u32) -> Vec3 {
     let scale = 2f32.powi((bits >> 27) as i32 - BIAS - BITS);
-    Vec3::from_array([0, 9, 18].map(|shift| (bits >> shift & 0x1ff) as f32 * scale))
+    Vec3::from_array([0, 9, 18].map(|shift| ((bits >> shift) & 0x1ff) as f32 * scale))
 }
 
 /// A file of texels, row by row from the top, and slice by slice if there is a depth.
@@ -49,11 +49,11 @@ pub(crate) fn file([width, height, depth]: [u32; 3], texels: &[Vec3]) -> Vec<u8>
         words.extend([number as u32, (number >> 32) as u32]);
     }
     // A basic block of version 2: linear light of the primaries of sRGB, four bytes a texel.
-    words.extend([4 + BLOCK, 0, 2 | BLOCK << 16, 1 | 1 << 8 | 1 << 16, 0, 4, 0]);
+    words.extend([4 + BLOCK, 0, 2 | (BLOCK << 16), 1 | (1 << 8) | (1 << 16), 0, 4, 0]);
     for channel in 0..3 {
         // Its nine bits, and the five of the exponent; 8448 as the specification of descriptions has it.
-        words.extend([9 * channel | 8 << 16 | channel << 24, 0, 0, 8448]);
-        words.extend([27 | 4 << 16 | (channel | 0x20) << 24, 0, BIAS as u32, 31]);
+        words.extend([(9 * channel) | (8 << 16) | (channel << 24), 0, 0, 8448]);
+        words.extend([27 | (4 << 16) | ((channel | 0x20) << 24), 0, BIAS as u32, 31]);
     }
     words.extend(texels.iter().map(|t| packed(*t)));
     MAGIC.into_iter().chain(words.into_iter().flat_map(u32::to_le_bytes)).collect()

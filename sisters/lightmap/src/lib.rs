@@ -23,7 +23,7 @@ pub use beside::{Beside, beside};
 pub use error::BakeError;
 pub use file::Level;
 pub use ktx2::unpacked;
-pub use light::{Light, light};
+pub use light::{Light, Progress, light};
 pub use probes::Probes;
 pub use uvunwrap::{Atlas, InstanceRect, OutputMesh};
 

@@ -23,6 +23,9 @@ const FARTHER: u32 = 4;
 const SETTLED: f64 = 1e-4;
 const MOST_PASSES: u32 = 64;
 
+/// What is told of the work: what is done, how much of it, and of how much.
+pub type Progress<'a> = dyn FnMut(&str, usize, usize) + 'a;
+
 /// The light of a level.
 #[derive(Debug, Clone)]
 pub struct Light {
@@ -39,8 +42,7 @@ pub struct Light {
 }
 
 /// Lights the texels of meshes, and probes around the scene that these stand in, by the threads of the
-/// current pool of `rayon`, on which results do not depend. `progress` is told what is done, how much of
-/// it, and of how much.
+/// current pool of `rayon`, on which results do not depend.
 ///
 /// # Errors
 /// As [`unwrap`] and [`Probes::new`], and the scene cannot be lit.
@@ -48,7 +50,7 @@ pub fn light(
     scene: &LitScene,
     placed: &[Placed],
     settings: &Settings,
-    progress: &mut dyn FnMut(&str, usize, usize),
+    progress: &mut Progress,
 ) -> Result<Light, BakeError> {
     settings.check()?;
     let given = Scene::from(scene);
@@ -131,7 +133,7 @@ pub fn light(
 fn answers(
     cache: &Cache,
     questions: &[(Vec3, Vec3)],
-    (what, progress): (&str, &mut dyn FnMut(&str, usize, usize)),
+    (what, progress): (&str, &mut Progress),
 ) -> Result<Vec<Vec3>, LightError> {
     let of = |(point, normal): &(Vec3, Vec3)| {
         let light = cache.irradiance(*point, *normal)?;

@@ -36,7 +36,7 @@ impl Probes {
         let sides = counts * Vec3::new(1.0, 2.0, 3.0);
         let over = sides.max_element() / MOST_SIDE;
         let over = over.max((counts.element_product() / MOST_PROBES).cbrt());
-        if !(over <= 1.0) {
+        if over.is_nan() || over > 1.0 {
             // A little more, since counts are rounded upwards.
             return Err(BakeError::Probes { counts: counts.to_array(), spacing: spacing * over * 1.01 });
         }

@@ -115,7 +115,7 @@ pub fn run(options: &Options) -> Result<Outcome, Box<dyn std::error::Error>> {
     if options.check > 0 {
         let b = beside(&level.scene, &level.placed, &found, options.check, SAMPLES);
         say(format_args!(
-            "beside a path tracer at {} texels: mean light {:.3} of its, mean error {:.1}%, of which it is unsure by {:.1}%",
+            "beside a path tracer at {} texels: mean light {:.3}, mean error {:.1}%, its own noise {:.1}%",
             b.texels,
             1.0 + b.difference,
             100.0 * b.error,

@@ -33,7 +33,8 @@ fn level(texture: &str) -> Vec<u8> {
         "nodes":[{{"mesh":0,"name":"floor","extras":{{"role":"both"}}}},
         {{"mesh":0,"scale":[-2,1,2],"translation":[-1,0,0]}},{{"mesh":0,"name":"lift"}},
         {{"translation":[1,2,1],"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
-        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"COLOR_0":2,"NORMAL":5}},"indices":1,"material":0}},
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"COLOR_0":2,"NORMAL":5}},"indices":1,
+        "material":0}},
         {{"attributes":{{"POSITION":0}},"mode":1}}]}}],"materials":[{{"name":"grey"{texture}}}],
         "animations":[{{"channels":[{{"sampler":0,"target":{{"node":2,"path":"translation"}}}}],
         "samplers":[{{"input":3,"output":4}}]}}],"extensionsUsed":["KHR_lights_punctual"],
@@ -42,9 +43,11 @@ fn level(texture: &str) -> Vec<u8> {
     ))
 }
 
+type Image = ([u32; 3], Vec<Vec3>);
+
 /// A file that is lit, read back: its document, its bytes, its text, and its images as the library for
 /// KTX 2 reads them, with their sizes.
-fn lit(bytes: &[u8]) -> (Gltf, Vec<u8>, Value, Vec<([u32; 3], Vec<Vec3>)>, Probes) {
+fn lit(bytes: &[u8]) -> (Gltf, Vec<u8>, Value, Vec<Image>, Probes) {
     let level = Level::read("level", bytes, None).unwrap();
     let found = light(&level.scene, &level.placed, &FAST, &mut |_, _, _| {}).unwrap();
     let files = level.lit("lit", &found, false).unwrap();

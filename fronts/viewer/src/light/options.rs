@@ -129,7 +129,8 @@ mod tests {
         let words = "hall.glb --sun 0,-2,0 --from 1,2,3 --to -1,2,3 --headless --layers albedo,picture";
         let (options, layers) = read(&words.split(' ').collect::<Vec<_>>()).unwrap();
         assert_eq!(layers, [Layer::Albedo, Layer::Picture]);
-        assert_eq!((options.lighting.sun, options.from), (Some(Vec3::NEG_Y), Some(DVec3::new(1.0, 2.0, 3.0))));
+        let wanted = (Some(Vec3::NEG_Y), Some(DVec3::new(1.0, 2.0, 3.0)));
+        assert_eq!((options.lighting.sun, options.from), wanted);
         assert_eq!(
             read(&["--headless", "--layers", "direct,all"]).unwrap().1,
             LAYERS.map(|(_, layer)| layer)

@@ -80,10 +80,7 @@ fn in_a_furnace_every_order_has_its_share_of_the_emission() {
     let mut open = scene(vec![(Mesh::ball(2), WHITE)]);
     open.sky = Vec3::splat(3.0);
     open.camera = Camera::look_at(Vec3::new(2.6, 2.4, 3.4), Vec3::ZERO, 60.0, 1.0, 0.01, 100.0);
-    let image = PathTracer::new(&open)
-        .render(&open.camera, (16, 12), &(0..=1), 4, 1)
-        .unwrap()
-        .image;
+    let image = PathTracer::new(&open).render(&open.camera, (16, 12), &(0..=1), 4, 1).unwrap().image;
     assert!(image.iter().all(|p| (*p - open.sky).abs().max_element() < 1e-5));
 }
 
