@@ -1,15 +1,14 @@
-//! A level lit by its lightmap beside a path tracer: `picture LEVEL SAMPLES PNG [X,Y,Z X,Y,Z [SUN]]`, where
-//! the points are the eye and what it looks at.
+//! A level lit by its lightmap beside a path tracer: `picture LEVEL SAMPLES PNG [X,Y,Z X,Y,Z]`, where the
+//! points are the eye and what it looks at.
 
 use std::error::Error;
 use std::path::Path;
 
 use casca_lightmap::{Backs, Level, Settings, light, on_page};
-use casca_radiosity::Light;
 use casca_radiosity::lit::LitTriangle;
 use casca_radiosity::lit::path::PathTracer;
 use casca_scenes::world::Camera;
-use casca_tools::command_line::{direction, point};
+use casca_tools::command_line::point;
 use casca_tools::image::{srgb, write_png};
 use casca_truth::oracle::Frustum;
 use glam::Vec3;
@@ -26,10 +25,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         let [eye, to] = [point(eye)?.as_vec3(), point(to)?.as_vec3()];
         let far = 4.0 * (far - eye).length();
         level.scene.camera = Camera::look_at(eye, to, 60.0, 4.0 / 3.0, 1e-3 * far, far);
-    }
-    if let Some(sun) = words.get(5) {
-        let irradiance = Vec3::splat(10.0);
-        level.scene.lights.push(Light::Sun { direction: direction(sun)?, irradiance, half_angle: 0.0 });
     }
     let settings = Settings { texels: 16.0, cells: 128, ..Settings::default() };
     let found = light(&level.scene, &level.placed, &settings, &mut |_, _, _| {})?;

@@ -64,8 +64,7 @@ fn scale_of(place: &Affine3A) -> f32 {
 pub fn unwrap(placed: &[Placed], texels: f32, side: u32) -> Result<Atlas, BakeError> {
     let check = |needed: f64| {
         let fit = f64::from(texels) * (MOST_TEXELS / needed).sqrt() * 0.9;
-        let much = BakeError::Texels { needed, most: MOST_TEXELS, texels: fit };
-        if needed <= MOST_TEXELS { Ok(()) } else { Err(much) }
+        if needed <= MOST_TEXELS { Ok(()) } else { Err(BakeError::Texels(needed, MOST_TEXELS, fit)) }
     };
     // Before anything takes long.
     check(placed.iter().map(Placed::area).sum::<f64>() * f64::from(texels).powi(2))?;

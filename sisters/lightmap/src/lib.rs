@@ -61,7 +61,7 @@ impl Settings {
         ] {
             // Not so for what is no number.
             if !(least..=most).contains(&value) {
-                return Err(BakeError::Setting { what, value, least, most });
+                return Err(BakeError::Setting(what, value, least, most));
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! A grid of ambient cubes (Mitchell, McTaggart & Green, *Shading in Valve's Source Engine*, 2006), in
 //! the form that Bevy's `IrradianceVolume` reads.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use crate::{Backs, BakeError};
 
@@ -38,7 +38,7 @@ impl Probes {
         let over = over.max((counts.element_product() / MOST_PROBES).cbrt());
         if over.is_nan() || over > 1.0 {
             // A little more, since counts are rounded upwards.
-            return Err(BakeError::Probes { counts: counts.to_array(), spacing: spacing * over * 1.01 });
+            return Err(BakeError::Probes(counts.to_array(), spacing * over * 1.01));
         }
         let counts = counts.as_uvec3();
         let cubes = vec![[Vec3::ZERO; 6]; counts.element_product() as usize];
@@ -59,15 +59,13 @@ impl Probes {
         let buried: Vec<bool> = (0..self.cubes.len()).map(|i| backs.is_buried(self.place(i), None)).collect();
         let n = self.counts.as_ivec3();
         for i in (0..self.cubes.len()).filter(|i| buried[*i]) {
-            let cell = glam::IVec3::new(i as i32 % n.x, i as i32 / n.x % n.y, i as i32 / (n.x * n.y));
-            let steps = (0..27).map(|k| glam::IVec3::new(k % 3, k / 3 % 3, k / 9) - 1 + cell);
-            let near = steps.filter(|c| c.cmpge(glam::IVec3::ZERO).all() && c.cmplt(n).all());
+            let cell = IVec3::new(i as i32 % n.x, i as i32 / n.x % n.y, i as i32 / (n.x * n.y));
+            let steps = (0..27).map(|k| IVec3::new(k % 3, k / 3 % 3, k / 9) - 1 + cell);
+            let near = steps.filter(|c| c.cmpge(IVec3::ZERO).all() && c.cmplt(n).all());
             let near = near.map(|c| ((c.z * n.y + c.y) * n.x + c.x) as usize).filter(|j| !buried[*j]);
-            let near: Vec<usize> = near.collect();
-            let mean = |face: usize| {
-                near.iter().map(|j| self.cubes[*j][face]).sum::<Vec3>() / near.len().max(1) as f32
-            };
-            self.cubes[i] = std::array::from_fn(mean);
+            let near: Vec<[Vec3; 6]> = near.map(|j| self.cubes[j]).collect();
+            let sum = |face: usize| near.iter().map(|cube| cube[face]).sum::<Vec3>();
+            self.cubes[i] = std::array::from_fn(|face| sum(face) / near.len().max(1) as f32);
         }
     }
 
@@ -112,7 +110,7 @@ mod tests {
         }
         for spacing in [1e-3, 0.01, f32::MIN_POSITIVE] {
             let why = Probes::new((Vec3::ZERO, Vec3::splat(20.0)), spacing).unwrap_err();
-            let BakeError::Probes { spacing: fit, .. } = why else { panic!("{why}") };
+            let BakeError::Probes(_, fit) = why else { panic!("{why}") };
             assert!(Probes::new((Vec3::ZERO, Vec3::splat(20.0)), fit).is_ok() || spacing < 1e-9, "{fit}");
         }
     }

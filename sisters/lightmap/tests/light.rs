@@ -56,7 +56,7 @@ fn a_furnace_is_as_bright_as_the_series_says_in_texels_and_in_all_faces_of_probe
 
 #[test]
 fn texels_of_the_cornell_box_are_lit_as_a_path_tracer_lights_their_points() {
-    for (kind, bound) in [(Kind::Cornell, 0.03), (Kind::CornellPoint, 0.06)] {
+    for (kind, bound) in [(Kind::Cornell, 0.04), (Kind::CornellPoint, 0.04)] {
         let scene = kind.build();
         let settings = Settings { texels: 4.0, cells: 64, rays: 128, ..FAST };
         let found = baked(&scene, &settings);
@@ -221,6 +221,6 @@ fn settings_out_of_range_and_meshes_that_are_none_are_errors_that_say_what_to_do
         (Mesh::ball(0), Affine3A::from_scale(Vec3::splat(1e30))),
     ] {
         let why = unwrap(&[Placed { mesh, places: vec![place] }], 1.0, 512).unwrap_err();
-        assert!(matches!(why, BakeError::Unwrap(_) | BakeError::Texels { .. }), "{why}");
+        assert!(matches!(why, BakeError::Unwrap(_) | BakeError::Texels(..)), "{why}");
     }
 }
