@@ -7,6 +7,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use glam::{DVec3, Vec3};
+
 /// What the programs exit with, for their `--help`. Code 2 is given by clap.
 pub const EXIT_CODES: &str = "Exit codes:
   0  all is well
@@ -108,6 +110,23 @@ pub fn try_writing_into(folder: &Path, names: &[&str]) -> Result<(), PathError> 
 /// Prints a line. That nobody reads it, as behind `| head`, is no reason to stop.
 pub fn say(line: impl Display) {
     let _ = writeln!(io::stdout(), "{line}");
+}
+
+/// The largest coordinate: squares of such distances are finite in single precision.
+const FARTHEST: f64 = 1e15;
+
+/// Three numbers of a command line; says what is wrong with others.
+pub fn point(text: &str) -> Result<DVec3, String> {
+    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.abs() <= FARTHEST);
+    let numbers = text.split(',').map(number).collect::<Option<Vec<f64>>>();
+    let point = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok()).map(DVec3::from_array);
+    point.ok_or_else(|| format!("expected three numbers up to {FARTHEST:e}, such as 1.5,2,-3"))
+}
+
+/// A direction of a command line, as long as 1; says what is wrong with others.
+pub fn direction(text: &str) -> Result<Vec3, String> {
+    let direction = point(text)?.as_vec3().try_normalize();
+    direction.ok_or_else(|| format!("{text} has no direction: its length must be finite and more than 0"))
 }
 
 #[cfg(test)]

@@ -13,7 +13,6 @@ use casca_stage::window::{Start, open};
 use casca_tools::command_line::{Outcome, make_folder, say};
 use casca_tools::image::{halved, parse_size, write_png};
 use clap::{Args, value_parser};
-use glam::{DVec3, Vec3};
 
 /// Width and height of pictures and of the window. Larger ones are more than some devices have room
 /// for.
@@ -177,31 +176,6 @@ pub fn one_of<T: Copy>(text: &str, all: &[(&str, T)]) -> Result<T, String> {
     found.ok_or_else(|| format!("expected {}", all.iter().map(|one| one.0).collect::<Vec<_>>().join(", ")))
 }
 
-/// The largest coordinate: squares of such distances are finite in single precision.
-const FARTHEST: f64 = 1e15;
-
-/// Three numbers of a command line.
-///
-/// # Errors
-/// There are more or fewer, or one is none or too large.
-pub fn point(text: &str) -> Result<DVec3, String> {
-    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.abs() <= FARTHEST);
-    let numbers = text.split(',').map(number).collect::<Option<Vec<f64>>>();
-    let point = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-    point
-        .map(DVec3::from_array)
-        .ok_or_else(|| format!("expected three numbers up to {FARTHEST:e}, such as 1.5,2,-3"))
-}
-
-/// A direction of a command line, as long as 1.
-///
-/// # Errors
-/// As [`point`], and it has no direction.
-pub fn direction(text: &str) -> Result<Vec3, String> {
-    let direction = point(text)?.as_vec3().try_normalize();
-    direction.ok_or_else(|| format!("{text} has no direction: its length must be finite and more than 0"))
-}
-
 /// Prints the stages of a frame with their times; one that ran twice has the sum.
 pub fn say_stages(clock: &Clock) {
     let mut sums: Vec<(&str, Duration)> = Vec::new();
@@ -225,6 +199,8 @@ pub fn counted(number: usize, [one, more]: [&str; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use casca_tools::command_line::{direction, point};
+    use glam::{DVec3, Vec3};
 
     #[test]
     fn numbers_points_and_directions_are_finite_and_within_their_range() {

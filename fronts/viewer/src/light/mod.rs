@@ -15,6 +15,7 @@ use casca_tools::command_line::Outcome;
 
 use crate::common::{Common, Failed, Shows};
 
+use options::Instead;
 pub use options::Options;
 
 impl Shows for Options {
@@ -27,7 +28,14 @@ impl Shows for Options {
         Ok(window::start(self.open()?, self))
     }
 
+    fn is_windowless(&self) -> bool {
+        self.common.headless || self.instead.is_some()
+    }
+
     fn work(&self) -> Result<Outcome, Failed> {
+        if let Some(Instead::Bake(options)) = &self.instead {
+            return casca_lightmap::program::run(options);
+        }
         let layers = self.check()?;
         let start = self.open()?;
         let (gpu, folder) = self.common.studio("light")?;

@@ -3,19 +3,18 @@
 
 use std::ops::RangeInclusive;
 
-use casca_tools::command_line::EXIT_CODES;
-use clap::Args;
-use glam::{DVec3, Vec3};
+use casca_lightmap::program::{self, Lighting};
+use casca_tools::command_line::{EXIT_CODES, point};
+use clap::{Args, Subcommand};
+use glam::DVec3;
 
-use crate::common::{Common, Failed, direction, number, one_of, point};
+use crate::common::{Common, Failed, number, one_of};
 use crate::light::picture::{LAYERS, Layer};
 use crate::light::renderer::Settings;
 use crate::light::scene::Room;
 
 /// Balls that may be added to a scene.
 const BALLS: RangeInclusive<i64> = 0..=1000;
-/// Cells along the longest axis, as the library takes them; fewer show nothing.
-const RESOLUTIONS: RangeInclusive<i64> = 8..=512;
 /// Cells from the eye to the end of the window: 512 finer ones, as the library takes them.
 const WINDOWS: RangeInclusive<i64> = 0..=64;
 /// Factors of light on the screen: less or more is black or white in any scene with lights of this
@@ -25,16 +24,19 @@ pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
 /// Light with all of its bounces, by a radiosity cache: it crosses no wall
 #[derive(Debug, Clone, Args)]
 #[command(
-    after_help = EXIT_CODES, allow_negative_numbers = true,
+    after_help = EXIT_CODES, allow_negative_numbers = true, args_conflicts_with_subcommands = true,
     mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf), cornell or cornell-point [default: cornell]"))
 )]
 pub struct Options {
     /// What all systems take.
     #[command(flatten)]
     pub common: Common,
-    /// Cells along the longest axis, 8 to 512
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(RESOLUTIONS))]
-    pub resolution: u32,
+    /// How the scene is lit.
+    #[command(flatten)]
+    pub lighting: Lighting,
+    /// What is done instead of showing it.
+    #[command(subcommand)]
+    pub instead: Option<Instead>,
     /// Rays of each surface in a cell that the picture reads, others send a quarter; a slider.
     #[arg(skip = 64_u32)]
     pub rays: u32,
@@ -47,10 +49,6 @@ pub struct Options {
     /// Light times this is shown; 1 is white; 0.0001 to 10000 [default: by the picture's own light]
     #[arg(long, value_parser = |text: &str| number(text, EXPOSURES))]
     pub exposure: Option<f32>,
-    /// Adds a sun that shines along x,y,z, with an irradiance of 10
-    // Points may start with a minus, and are no single negative number.
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
-    pub sun: Option<Vec3>,
     /// Looks from x,y,z
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point, requires = "to")]
     pub from: Option<DVec3>,
@@ -63,17 +61,25 @@ pub struct Options {
     pub layers: Vec<Option<Layer>>,
 }
 
+/// What a scene is lit for besides being shown.
+#[derive(Debug, Clone, Subcommand)]
+pub enum Instead {
+    /// Bakes lightmaps and probes into files.
+    Bake(program::Options),
+}
+
 impl Options {
     pub(super) fn open(&self) -> Result<Room, Failed> {
         let name = self.common.name().unwrap_or_else(|| "cornell".to_owned());
         let mut start = Room::open(&name, self.balls)?;
-        start.change(self.sun, self.from.zip(self.to).map(|(from, to)| (from.as_vec3(), to.as_vec3())));
+        self.lighting.add(&mut start.scene);
+        start.look(self.from.zip(self.to).map(|(from, to)| (from.as_vec3(), to.as_vec3())));
         Ok(start)
     }
 
     /// How light is gathered.
     pub fn settings(&self) -> Settings {
-        Settings { resolution: self.resolution, rays: self.rays, window: self.window }
+        Settings { resolution: self.lighting.resolution, rays: self.rays, window: self.window }
     }
 
     /// The layers to draw. Refuses options that do not go together.
@@ -95,6 +101,7 @@ impl Options {
 mod tests {
     use super::*;
     use crate::common::{Shows, parsed};
+    use glam::Vec3;
 
     fn read(words: &[&str]) -> Result<(Options, Vec<Layer>), String> {
         let options = parsed::<Options>(words)?;
@@ -112,6 +119,9 @@ mod tests {
             ("--from 1,2,3 --to 1,2,3", "same point"),
             ("--from 1,2,3e38 --to 1,2,3", "numbers up to 1e15"),
             ("--headless --layers colour", "indirect"),
+            ("bake hall.glb", "--out"),
+            ("bake hall.glb --out lit.glb --resolution 7", "8..=512"),
+            ("hall.glb --headless bake hall.glb --out lit.glb", "cannot be used"),
         ] {
             let said = read(&words.split(' ').collect::<Vec<_>>()).expect_err(words);
             assert!(said.contains(word), "{words}: {said}");
@@ -119,7 +129,8 @@ mod tests {
         let words = "hall.glb --sun 0,-2,0 --from 1,2,3 --to -1,2,3 --headless --layers albedo,picture";
         let (options, layers) = read(&words.split(' ').collect::<Vec<_>>()).unwrap();
         assert_eq!(layers, [Layer::Albedo, Layer::Picture]);
-        assert_eq!((options.sun, options.from), (Some(Vec3::NEG_Y), Some(DVec3::new(1.0, 2.0, 3.0))));
+        let wanted = (Some(Vec3::NEG_Y), Some(DVec3::new(1.0, 2.0, 3.0)));
+        assert_eq!((options.lighting.sun, options.from), wanted);
         assert_eq!(
             read(&["--headless", "--layers", "direct,all"]).unwrap().1,
             LAYERS.map(|(_, layer)| layer)
@@ -140,6 +151,9 @@ mod tests {
             path.to_str().unwrap().to_owned()
         };
         let empty = br#"{"asset": {"version": "2.0"}}"#;
+        let lit = folder.join("lit.glb");
+        let bake = parsed::<Options>(&["bake", "no/such.glb", "--out", lit.to_str().unwrap()]).unwrap();
+        assert!(bake.run().unwrap_err().to_string().contains("no/such.glb: ") && !lit.exists());
         for (scene, word) in [
             ("no/such.glb".to_owned(), "no/such.glb: cannot be read"),
             (file("broken.glb", b"glTF, but no more"), "broken.glb: is not a valid"),

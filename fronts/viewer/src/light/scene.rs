@@ -5,15 +5,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use casca_lit::load_lit;
-use casca_radiosity::Light;
 use casca_radiosity::lit::{Kind, LitObject, LitScene, Material};
 use casca_scenes::world::{Camera, Mesh};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Radius of a ball, as a share of the scene's shortest side.
 const BALL: f32 = 0.04;
-/// Irradiance of the sun that is added.
-const SUN: Vec3 = Vec3::new(10.5, 10.0, 9.0);
 
 /// A scene and the balls in it.
 pub struct Room {
@@ -54,11 +51,8 @@ impl Room {
         Ok(start)
     }
 
-    /// Adds a sun and places the camera, if vectors for them are given.
-    pub fn change(&mut self, sun: Option<Vec3>, look: Option<(Vec3, Vec3)>) {
-        if let Some(direction) = sun {
-            self.scene.lights.push(Light::Sun { direction, irradiance: SUN, half_angle: 0.0 });
-        }
+    /// Places the camera, if vectors for it are given.
+    pub fn look(&mut self, look: Option<(Vec3, Vec3)>) {
         if let Some((eye, target)) = look {
             self.scene.camera = self.looking(eye, target, casca_radiosity::lit::ASPECT);
         }

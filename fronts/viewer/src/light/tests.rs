@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use casca_radiosity::lit::path::{PathTracer, Quantity};
+use casca_radiosity::lit::path::PathTracer;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
@@ -153,7 +153,7 @@ fn a_mirror_shows_the_room_and_rough_metal_the_mean_of_it() {
     let size = (SIZE.0 as usize, SIZE.1 as usize);
     // Light that comes to the eye by the mirror and was scattered once or more before, less what is
     // scattered alone: mirrors in mirrors are no part of it.
-    let orders = Quantity::Radiance(0..=8);
+    let orders = 0..=8;
     let mut matt = start.scene.clone();
     matt.materials.iter_mut().for_each(|m| m.specular = Vec3::ZERO);
     let camera = start.camera(SIZE);

@@ -105,7 +105,7 @@ impl Viewer {
             Err(why) => {
                 self.trouble = why.to_string();
                 let Settings { resolution, rays, .. } = self.renderer.settings;
-                (self.options.resolution, self.options.rays) = (resolution, rays);
+                (self.options.lighting.resolution, self.options.rays) = (resolution, rays);
                 self.renderer.set_lights(&self.room.scene.lights)?;
             }
         }
@@ -128,7 +128,7 @@ impl Demo for Viewer {
     fn dials(&mut self, dials: &mut Dials, screen: &Screen) -> Done {
         dials.choice("layer", &KEYS, LAYERS.map(|(name, _)| name), &mut self.layer);
         let options = &mut self.options;
-        let is_other = dials.whole("cells", &mut options.resolution, 16..=256, 8)
+        let is_other = dials.whole("cells", &mut options.lighting.resolution, 16..=256, 8)
             | dials.whole("rays of a surface in a cell", &mut options.rays, 4..=512, 1);
         let (mut is_own, mut exposure) = (options.exposure.is_none(), options.exposure.unwrap_or(1.0));
         dials.switch("exposure by the picture", None, &mut is_own);

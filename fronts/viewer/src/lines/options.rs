@@ -12,11 +12,11 @@ use casca_lines::sets::LineSet;
 use casca_lines::sets::colour::Colouring;
 use casca_lines::sets::generate::Family;
 use casca_lines::sets::region::Region;
-use casca_tools::command_line::EXIT_CODES;
+use casca_tools::command_line::{EXIT_CODES, direction};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
-use crate::common::{Common, direction, number, one_of};
+use crate::common::{Common, number, one_of};
 
 /// The radius of the thesis' hemispheres, as a share of the extent of the scene.
 const RADIUS: f32 = 0.13;

@@ -10,10 +10,11 @@ use casca_points::files::{self, Report};
 use casca_points::surface::Surface;
 use casca_points::{AutoSettings, Camera, hpr, splat};
 use casca_stage::timing::Instant;
+use casca_tools::command_line::{direction, point};
 use clap::{Args, ValueEnum};
 use glam::{DVec3, Quat, Vec3};
 
-use crate::common::{direction, number, point};
+use crate::common::number;
 use crate::points::house;
 
 /// The distance between the house's points, in metres: so large that rooms show through the walls.

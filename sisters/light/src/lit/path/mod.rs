@@ -61,18 +61,6 @@ fn pixels((width, height): (usize, usize)) -> Result<Range<usize>, SizeError> {
     Ok(0..count.ok_or(SizeError { width, height })?)
 }
 
-/// A quantity that is asked for at the surface that a pixel shows.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Quantity {
-    /// The radiance that was scattered this many times on its way to the camera: 0 for emitters
-    /// that are looked at, 1 for direct light, 2 for the first indirect bounce, 3 for the second.
-    /// At most 256.
-    Radiance(RangeInclusive<u32>),
-    /// The share of a light, by its number, that is not hidden; 0 for surfaces that face away, and
-    /// where nothing is hit.
-    Shadow(usize),
-}
-
 /// A picture of linear light by chance, and how sure it is: row by row from the top.
 #[derive(Debug, Clone)]
 pub struct Render {
@@ -167,15 +155,6 @@ impl PathTracer {
         texture.at(u + (v - u) * s + (w - u) * t)
     }
 
-    /// The surfaces that the centres of pixels show, row by row from the top.
-    ///
-    /// # Errors
-    /// [`SizeError`].
-    pub fn surfaces(&self, camera: &Camera, size: (usize, usize)) -> Result<Vec<Option<Surface>>, SizeError> {
-        let pixels = pixels(size)?.into_par_iter();
-        Ok(pixels.map(|i| self.seen(&Frustum::new(camera), i, size).0).collect())
-    }
-
     /// What a pixel shows, and from which direction.
     fn seen(&self, frustum: &Frustum, i: usize, (width, height): (usize, usize)) -> (Option<Surface>, DVec3) {
         let place = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
@@ -184,8 +163,10 @@ impl PathTracer {
         (self.hit(frustum.eye() + start, step), step)
     }
 
-    /// A picture of `size` (width, height) pixels; `samples` a pixel, 1 to 2^20, are more for less
-    /// noise. Costs pixels times samples times the orders of scattering.
+    /// A picture of `size` (width, height) pixels, of the radiance that was scattered so many times on
+    /// its way to the camera: 0 for emitters that are looked at, 1 for direct light, 2 for the first
+    /// indirect bounce, 3 for the second; at most 256. `samples` a pixel, 1 to 2^20, are more for less
+    /// noise. Costs pixels times samples times the orders.
     ///
     /// # Errors
     /// [`SizeError`].
@@ -193,7 +174,7 @@ impl PathTracer {
         &self,
         camera: &Camera,
         size: (usize, usize),
-        quantity: &Quantity,
+        orders: &RangeInclusive<u32>,
         samples: u32,
         seed: u64,
     ) -> Result<Render, SizeError> {
@@ -202,29 +183,10 @@ impl PathTracer {
             let (surface, step) = self.seen(&frustum, i, size);
             // A generator of its own, so that threads do not matter.
             let mut random = generator(seed, spread(i as u64 + 1));
-            mean(samples, || self.sample(surface, step, quantity, &mut random))
+            mean(samples, || self.radiance(surface, step.normalize_or_zero(), orders, &mut random))
         });
         let (image, error) = pixels.unzip();
         Ok(Render { image, error })
-    }
-
-    fn sample(
-        &self,
-        seen: Option<Surface>,
-        step: DVec3,
-        quantity: &Quantity,
-        random: &mut Generator,
-    ) -> DVec3 {
-        match quantity {
-            Quantity::Radiance(orders) => self.radiance(seen, step.normalize_or_zero(), orders, random),
-            Quantity::Shadow(light) => {
-                let mut is_seen = |(at, light): (Surface, &Light)| {
-                    self.towards(light, &at, random).is_some_and(|(way, ..)| !self.hides(&at, way))
-                };
-                let both = seen.zip(self.lights.get(*light));
-                if both.is_some_and(&mut is_seen) { DVec3::ONE } else { DVec3::ZERO }
-            }
-        }
     }
 
     /// Whether anything lies on the way from a surface to a light.
