@@ -79,9 +79,11 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
         return nothing;
     }
     // Strands thinner than a pixel cannot be told apart: what shows is their share of the skin.
-    let word = dither(in.base, width, in.which.y);
-    if unit(word.x) < saturate(width / look.fine - 1.0) {
-        return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0), normal);
+    if width > look.fine {
+        let word = dither(in.base, width, in.which.y);
+        if unit(word.x) < width / look.fine - 1.0 {
+            return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0), normal);
+        }
     }
     return strand_met(in, c, skin_of(in.base, normal, c), ray);
 }

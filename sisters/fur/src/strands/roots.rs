@@ -16,8 +16,6 @@ pub struct Root {
     pub direction: Vec3,
     /// How high it reaches, as a share of [`Fur::height`]: 0 to 1.
     pub share: f32,
-    /// Its radius at the root, in units.
-    pub radius: f32,
     /// Its random byte, for its colour.
     pub id: u32,
     /// The colour of the coat at its root.
@@ -217,14 +215,7 @@ impl<'a> Patch<'a> {
         let share = length.clamp(0.0, 1.0) as f32 * self.fur.share(id);
         let spacing = f64::from(self.fur.spacing);
         let position = (self.origin + self.edges[0] * u + self.edges[1] * v) * spacing;
-        let root = Root {
-            position: position.as_vec3(),
-            direction: normal.as_vec3(),
-            share,
-            radius: self.fur.radius_along(0.0),
-            id,
-            color,
-        };
+        let root = Root { position: position.as_vec3(), direction: normal.as_vec3(), share, id, color };
         (share > 0.0).then_some(Foot { cell, k, position, root })
     }
 
