@@ -13,7 +13,7 @@ use bevy_render::render_resource::{
     AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
 };
 use bevy_shader::{Shader, ShaderRef};
-use casca_fur::shader::{COARSE, FINE, SLAB, STEPS, STRANDS};
+use casca_fur::shader::{FINE, SLAB, STRANDS, WALK};
 use casca_fur::strands::{Fur, MAX_PER_CELL};
 
 use crate::shells::ATTRIBUTE_FUR_LAYER;
@@ -44,23 +44,13 @@ pub struct FurExtension {
     pub dark: f32,
     /// How much strands differ in brightness, 0 to 1. 0.22 by default.
     pub vary: f32,
-    /// Whether fragments follow their rays through the slab below their layer, so that layers seen
-    /// from the side do not come apart. True by default; without it fur takes less time.
-    pub followed: bool,
 }
 
 impl FurExtension {
     /// Strands in the colour of the base material, a little different from each other, dark at
     /// their roots.
     pub fn new(strands: Fur) -> Self {
-        Self {
-            strands,
-            root: LinearRgba::WHITE,
-            tip: LinearRgba::WHITE,
-            dark: 0.3,
-            vary: 0.22,
-            followed: true,
-        }
+        Self { strands, root: LinearRgba::WHITE, tip: LinearRgba::WHITE, dark: 0.3, vary: 0.22 }
     }
 }
 
@@ -71,12 +61,12 @@ struct FurUniform {
     bend: Vec4,
     /// Spacing, radius, taper and variation.
     strands: Vec4,
-    /// The widths of a pixel between which strands give way to their mean, the light at roots, the
+    /// The width of a pixel from which strands give way to their mean, the light at roots, the
     /// variation of brightness.
     look: Vec4,
     root: Vec4,
     tip: Vec4,
-    /// Points of a cell, seed and the most steps along a ray.
+    /// Points of a cell and seed.
     counts: UVec4,
 }
 
@@ -87,16 +77,11 @@ impl From<&FurExtension> for FurUniform {
         Self {
             bend: Vec4::new(x, y, z, fur.height),
             strands: Vec4::new(fur.spacing, fur.radius, fur.taper, fur.variation),
-            look: Vec4::new(FINE * fur.spacing, COARSE * fur.spacing, of.dark, of.vary),
+            look: Vec4::new(FINE * fur.spacing, of.dark, of.vary, 0.0),
             root: of.root.to_vec4(),
             tip: of.tip.to_vec4(),
             // Each point costs eight hashes a step.
-            counts: UVec4::new(
-                fur.per_cell.min(MAX_PER_CELL),
-                fur.seed,
-                if of.followed { STEPS } else { 1 },
-                0,
-            ),
+            counts: UVec4::new(fur.per_cell.min(MAX_PER_CELL), fur.seed, 0, 0),
         }
     }
 }
@@ -106,7 +91,7 @@ const SHADER: Handle<Shader> = uuid_handle!("7f0c2a54-4f4b-4f0e-9a43-5d0f3b7f8c1
 
 /// The shader: the rule of strands from casca-fur, and how Bevy draws it.
 pub(crate) fn shader() -> (Handle<Shader>, Shader) {
-    let text = [include_str!("fur.wesl"), STRANDS, SLAB].concat();
+    let text = [include_str!("fur.wesl"), STRANDS, WALK, SLAB].concat();
     (SHADER, Shader::from_wesl(text, "embedded://bevy_casca_fur/fur.wesl"))
 }
 

@@ -26,10 +26,6 @@ pub(crate) const LENGTH_WEIGHT: f32 = 0.5;
 /// cells are enough: 0.25² + 0.43² < 0.5².
 pub(crate) const HALF_SLAB: f32 = 0.25;
 
-/// Normals whose cosine to that of their triangle is below this belong to another surface: the
-/// triangle says nothing about heights above it.
-pub(crate) const LEAST_LEAN: f32 = 0.1;
-
 /// Cells on the radius of a mesh, unless the caller sets another spacing: strands of an animal that
 /// fills a picture 700 pixels high are then about five pixels apart.
 pub(crate) const CELLS_ON_RADIUS: f32 = 60.0;
@@ -48,6 +44,17 @@ pub(crate) const SETTLED: f64 = 1e-12;
 /// The most points in a cell. The cost of a lookup grows with it, and four already cover the whole
 /// surface.
 pub const MAX_PER_CELL: u32 = 4;
+
+/// Cells along each axis after which strands repeat; a power of two. A table of all points then
+/// takes a megabyte.
+pub const PERIOD: u32 = 16;
+
+/// Texels of the table in a cell, along each axis.
+pub const TEXELS: u32 = 4;
+
+/// An odd number near the golden section of 2^32: times the byte of a strand it gives a length that
+/// has nothing to do with its colour.
+pub(crate) const SPREAD: u32 = 0x9e37_79b1;
 
 /// The most explicit strands: 64 bytes each, so about a gigabyte.
 pub(crate) const MAX_STRANDS: usize = 1 << 24;
@@ -108,21 +115,21 @@ pub(crate) const UNIT_QUATERNION: f64 = 1e-2;
 /// units of 2^-24 cover these 28.
 pub(crate) const SKINNING_ERROR: f32 = 2e-6;
 
-/// Steps of the sun's way through fur: along it the density changes only where strands of a length
-/// end.
-pub(crate) const LIGHT_STEPS: u32 = 8;
-
 /// The sun stands at least so high over the skin, as the cosine to its normal: bodies are round,
 /// and a flat ray leaves their fur sooner than that of a plane.
 pub(crate) const LEAST_RISE: f32 = 0.15;
 
 /// Where pixels are wider than this share of the spacing of strands, strands begin to give way to
-/// their mean...
+/// their mean; at the double they have done so: such pixels cannot show single strands.
 pub const FINE: f32 = 0.6;
-/// ...and here they have done so: pixels wider than the spacing cannot show single strands.
-pub const COARSE: f32 = 1.2;
 
-/// The most blocks of cells that a fragment's ray visits in its slab: eight cells, and one to seven
-/// more for each next block. Only rays along the skin under tall fur with few layers take as many:
-/// with 4 layers of fur of 10%, 12 blocks leave an error of 0.0735, these 0.0732, and 64 the same.
-pub const STEPS: u32 = 24;
+/// The width of a tuft, in cells: some tens of strands.
+pub(crate) const TUFT: f32 = 9.0;
+
+/// How far clumped and curled tips go aside, in tufts: strands must not cross, so that the farthest
+/// change from place to place stays below 1.
+pub(crate) const CLUMPED: f32 = 0.1;
+pub(crate) const CURLED: f32 = 0.045;
+
+/// By how many radians curls turn along the longest strands.
+pub(crate) const TURNS: f32 = 16.0;

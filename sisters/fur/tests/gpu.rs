@@ -114,17 +114,13 @@ fn fur_stands_above_the_skin_only_where_the_coat_has_length() {
         };
         (shown(false), shown(true))
     };
-    let mut counts = Vec::new();
-    for marched in [true, false] {
-        look.marched = marched;
+    for walked in [true, false] {
+        look.walked = walked;
         renderer.set_look(&gpu, &look);
         let (bald, furry) = beyond(&shoot(&gpu, &mut renderer, 96, &camera, &alone(12)));
-        println!("followed {marched}: {furry} pixels of fur beyond the skin");
-        assert!(bald == 0 && furry > 40, "{marched}: {bald} {furry}");
-        counts.push(furry);
+        println!("walked {walked}: {furry} pixels of fur beyond the skin");
+        assert!(bald == 0 && furry > 40, "{walked}: {bald} {furry}");
     }
-    // Rays that are followed through slabs meet strands between shells.
-    assert!(counts[0] > counts[1] + counts[1] / 10, "{counts:?}");
     assert_eq!(beyond(&shoot(&gpu, &mut renderer, 96, &camera, &alone(0))), (0, 0));
 }
 
@@ -138,13 +134,15 @@ fn shells_come_nearer_to_ray_traced_strands_with_their_number() {
     let reference = Reference::new(&mesh, &look).unwrap();
     assert!(reference.strands() > 500);
     let truth = reference.picture(&camera, size, 2, &[Vec3::ONE; 2], TO_SUN.normalize());
-    let mut renderer = renderer(&gpu, &mesh, &look);
-    let errors = [0, 4, 16, 48]
-        .map(|layers| rmse(&truth, &sampled(&gpu, &mut renderer, size, &camera, &alone(layers), TO_SUN)));
-    println!("RMSE with 0, 4, 16 and 48 layers: {errors:.4?}");
-    assert!(errors.is_sorted_by(|a, b| a > b) && errors[3] < 0.5 * errors[0], "{errors:?}");
-    // Steps along rays over skin that is taken for flat left 0.0190 with 16 layers.
-    assert!(errors[1] < 0.025 && errors[2] < 0.0125, "{errors:?}");
+    for (walked, few, some) in [(true, 0.025, 0.0125), (false, 0.05, 0.025)] {
+        let mut renderer = renderer(&gpu, &mesh, &Look { walked, ..look });
+        let errors = [0, 4, 16, 48]
+            .map(|layers| rmse(&truth, &sampled(&gpu, &mut renderer, size, &camera, &alone(layers), TO_SUN)));
+        println!("walked {walked}: RMSE with 0, 4, 16 and 48 layers: {errors:.4?}");
+        assert!(errors.is_sorted_by(|a, b| a > b) && errors[3] < 0.5 * errors[0], "{errors:?}");
+        // Walks over skin that is taken for flat left 0.0190 with 16 layers.
+        assert!(errors[1] < few && errors[2] < some, "{errors:?}");
+    }
 }
 
 #[test]
@@ -371,7 +369,8 @@ fn shells_are_lit_as_strands_of_the_reference() {
     let length = |p: Vec3| if p.y < -0.4 { 0.0 } else { 0.75 + 0.25 * p.x.signum() };
     let mesh = ball(4, |p| Coat { color: Vec3::new(0.6, 0.5, 0.4), length: length(p) });
     let (sun, eye) = (Vec3::new(-0.9, 0.3, 0.3).normalize(), Vec3::new(0.0, 0.3, 2.2));
-    let look = Look::new(Fur { bend: Vec3::new(0.4, -0.5, 0.0), ..fur(0.1, 0.3, 0.04) });
+    let look =
+        Look::new(Fur { bend: Vec3::new(0.4, -0.5, 0.0), clump: 0.5, curl: 0.3, ..fur(0.1, 0.3, 0.04) });
     let camera = |eye| Camera::look_at(eye, Vec3::ZERO, 45.0, 4.0 / 3.0, 0.1, 20.0);
     let wanted = Reference::new(&mesh, &look).unwrap().picture(&camera(eye), LIT, 2, &[Vec3::ONE; 2], sun);
     let mut renderer = renderer(&gpu, &mesh, &look);

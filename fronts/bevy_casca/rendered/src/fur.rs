@@ -61,7 +61,8 @@ impl Ball {
     fn look(&self) -> Look {
         let material =
             Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, root: DARK, ..Material::default() };
-        Look { material, ..Look::new(self.fur) }
+        // As Bevy's material does.
+        Look { material, walked: true, ..Look::new(self.fur) }
     }
 
     fn own_mesh(&self) -> Result<OwnMesh, String> {

@@ -46,15 +46,17 @@ pub struct Choices {
     pub density: f32,
     /// The distance between strands as a share of the radius, up to 1: strands grow thicker with it;
     /// a slider.
-    #[arg(skip = 0.011_f32)]
+    #[arg(skip = 0.008_f32)]
     pub thickness: f32,
     /// How far tips hang down and lie back, in multiples of the fur's height; a slider.
     #[arg(skip = 0.7_f32)]
     pub bend: f32,
-    /// Whether each fragment is looked up at the height of its own shell only, as the thesis does,
-    /// instead of following its ray to the next shell.
-    #[arg(skip)]
-    pub plain: bool,
+    /// How far the tips of a tuft come together, 0 to 1
+    #[arg(long, default_value_t = 0.6, value_parser = share)]
+    pub clump: f32,
+    /// How far strands curl, 0 to 1
+    #[arg(long, default_value_t = 0.0, value_parser = share)]
+    pub curl: f32,
     /// Seed of the animal or the field
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -83,6 +85,7 @@ impl Choices {
     pub fn fur(&self, radius: f32) -> Result<Fur, casca_fur::Error> {
         let mut fur = Fur::for_radius(radius, self.height, self.density)?;
         fur.spacing = self.thickness * radius;
+        (fur.clump, fur.curl) = (self.clump, self.curl);
         // Backwards and down.
         fur.bend = Vec3::new(-0.7, -0.7, 0.0) * self.bend;
         fur.check(radius)?;
@@ -94,7 +97,7 @@ impl Choices {
     /// # Errors
     /// As [`Choices::fur`].
     pub fn look(&self, radius: f32) -> Result<Look, casca_fur::Error> {
-        Ok(Look { marched: !self.plain, ..Look::new(self.fur(radius)?) })
+        Ok(Look::new(self.fur(radius)?))
     }
 
     /// The mesh that grows fur: of the file, or generated.

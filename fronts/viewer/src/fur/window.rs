@@ -179,7 +179,8 @@ impl Demo for Viewer {
             | dials.number("density", &mut choices.density, 0.02..=1.0)
             | dials.number("thickness", &mut choices.thickness, 0.004..=0.05)
             | dials.number("bend", &mut choices.bend, 0.0..=2.0)
-            | dials.switch("plain shells, as in the thesis", None, &mut choices.plain);
+            | dials.number("clump", &mut choices.clump, 0.0..=1.0)
+            | dials.number("curl", &mut choices.curl, 0.0..=1.0);
         if !matches!(&self.shown, Shown::One(subject, _) if subject.walker.is_none()) {
             dials.switch("walk (P)", Some(KeyCode::KeyP), &mut self.walking);
         }

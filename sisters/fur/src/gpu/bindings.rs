@@ -2,9 +2,11 @@
 
 use casca_stage::gpu::DEPTH;
 use casca_stage::wgpu::{
-    self, BindingResource, BindingType, BufferBindingType, ShaderStages, TextureSampleType,
+    self, BindingResource, BindingType, BufferBindingType, ShaderStages, TextureFormat, TextureSampleType,
     TextureViewDimension,
 };
+
+use crate::strands::{PERIOD, TEXELS};
 
 const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
 const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
@@ -35,23 +37,45 @@ pub(super) fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
         BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
     ];
     let visibility = ShaderStages::VERTEX_FRAGMENT;
-    [frame, [UNIFORM, STORAGE, STORAGE]].map(|types| {
-        let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let strands = BindingType::Texture {
+        sample_type: TextureSampleType::Uint,
+        view_dimension: TextureViewDimension::D3,
+        multisampled: false,
+    };
+    [&frame[..], &[UNIFORM, STORAGE, STORAGE, strands]].map(|types| {
+        let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
         let entries: Vec<_> = (0..).zip(types).map(entry).collect();
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
     })
 }
 
 pub(super) fn depth_map(device: &wgpu::Device, side: u32) -> wgpu::TextureView {
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("shadow map"),
-        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
+    let size = wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 };
+    texture(device, size, DEPTH, wgpu::TextureUsages::RENDER_ATTACHMENT).create_view(&Default::default())
+}
+
+/// The table of strands.
+pub(super) fn strand_map(device: &wgpu::Device) -> wgpu::Texture {
+    let side = PERIOD * TEXELS;
+    let size = wgpu::Extent3d { width: side, height: side, depth_or_array_layers: side };
+    texture(device, size, TextureFormat::R32Uint, wgpu::TextureUsages::COPY_DST)
+}
+
+fn texture(
+    device: &wgpu::Device,
+    size: wgpu::Extent3d,
+    format: TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    let is_flat = size.depth_or_array_layers == 1;
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
         mip_level_count: 1,
         sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: DEPTH,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        dimension: if is_flat { wgpu::TextureDimension::D2 } else { wgpu::TextureDimension::D3 },
+        format,
+        usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
-    });
-    texture.create_view(&Default::default())
+    })
 }

@@ -6,17 +6,16 @@ use crate::strands::{Fur, MAX_PER_CELL};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::numeric::{COARSE, FINE, STEPS};
+use crate::numeric::FINE;
 
 /// The fur of all meshes of a renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
     /// The strands.
     pub fur: Fur,
-    /// Whether a fragment follows its ray through the slab below its shell, so that shells seen
-    /// from the side do not come apart. Without it a fragment knows only its own height, as in the
-    /// thesis.
-    pub marched: bool,
+    /// Whether a fragment walks along its ray from cell to cell until it meets a strand, for studies.
+    /// Without it a fragment looks one strand up, the one next to its way.
+    pub walked: bool,
     /// How strands throw light back.
     pub material: Material,
     /// How much strands differ in colour, 0 to 1.
@@ -24,9 +23,9 @@ pub struct Look {
 }
 
 impl Look {
-    /// Followed rays and the usual light.
+    /// One look-up a fragment and the usual light.
     pub fn new(fur: Fur) -> Self {
-        Self { fur, marched: true, material: Material::default(), vary: 0.22 }
+        Self { fur, walked: false, material: Material::default(), vary: 0.22 }
     }
 
     pub(crate) fn record(&self) -> LookRecord {
@@ -38,11 +37,11 @@ impl Look {
             radius: fur.radius,
             taper: fur.taper,
             variation: fur.variation,
+            clump: fur.clump,
+            curl: fur.curl,
             per_cell: fur.per_cell.min(MAX_PER_CELL),
             seed: fur.seed,
-            steps: if self.marched { STEPS } else { 1 },
             fine: FINE * fur.spacing,
-            coarse: COARSE * fur.spacing,
             exponent: material.exponent,
             wrap: material.wrap,
             dark: material.root,
@@ -78,11 +77,11 @@ pub(crate) struct LookRecord {
     radius: f32,
     taper: f32,
     variation: f32,
+    clump: f32,
+    curl: f32,
     per_cell: u32,
     seed: u32,
-    steps: u32,
     fine: f32,
-    coarse: f32,
     exponent: f32,
     wrap: f32,
     dark: f32,

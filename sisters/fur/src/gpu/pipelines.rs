@@ -8,17 +8,21 @@ use casca_stage::wgpu::{
 use crate::gpu::buffers::Follower;
 use crate::gpu::look::Corner;
 use crate::gpu::records::Block;
+use crate::shader::{LOOKUP, SLAB, STRANDS, WALK};
 
-/// The shaders, in the order in which they use each other.
-pub(super) const SHADERS: &str = concat!(
-    include_str!("strands.wgsl"),
-    include_str!("rays.wgsl"),
-    include_str!("slab.wgsl"),
-    include_str!("surroundings.wgsl"),
-    include_str!("pose.wgsl"),
-    include_str!("shells.wgsl"),
-    include_str!("paint.wgsl")
-);
+/// The shaders: fragments look one strand up, or walk along their rays for studies.
+pub(super) fn shaders(walked: bool) -> String {
+    [
+        STRANDS,
+        if walked { WALK } else { LOOKUP },
+        SLAB,
+        include_str!("surroundings.wgsl"),
+        include_str!("pose.wgsl"),
+        include_str!("shells.wgsl"),
+        include_str!("paint.wgsl"),
+    ]
+    .concat()
+}
 
 /// Makes pipelines: for pictures, or for the shadow map if there is no fragment shader with
 /// colours.
@@ -31,8 +35,13 @@ pub(super) struct Pipelines<'a> {
 }
 
 impl Pipelines<'_> {
-    /// Shells of meshes with weights, if they are `posed`, or of others.
-    pub(super) fn shells(&self, posed: bool, colours: Option<(&str, TextureFormat)>) -> wgpu::RenderPipeline {
+    /// Skins or shells of meshes with weights, if they are `posed`, or of others.
+    pub(super) fn mesh(
+        &self,
+        posed: bool,
+        skin: bool,
+        colours: Option<TextureFormat>,
+    ) -> wgpu::RenderPipeline {
         let shell = vertex_attr_array![0 => Uint32x2];
         let corner = vertex_attr_array![1 => Float32x3, 2 => Float32x3, 3 => Float32x4];
         let follower = vertex_attr_array![4 => Uint16x4, 5 => Float32x4];
@@ -47,26 +56,32 @@ impl Pipelines<'_> {
             (true, true) => "posed_shell_corner",
             (true, false) => "posed_shell_shadow_corner",
         };
-        self.make(vertex, &buffers[..2 + usize::from(posed)], colours, Some("shell_shadow"))
+        let fragment = match (skin, colours.is_some()) {
+            (true, true) => Some("skin_colour"),
+            (true, false) => None,
+            (false, true) => Some("shell_colour"),
+            (false, false) => Some("shell_shadow"),
+        };
+        self.make(vertex, &buffers[..2 + usize::from(posed)], fragment, colours)
     }
 
-    pub(super) fn blocks(&self, colours: Option<(&str, TextureFormat)>) -> wgpu::RenderPipeline {
+    pub(super) fn blocks(&self, colours: Option<TextureFormat>) -> wgpu::RenderPipeline {
         let block = vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x3];
         debug_assert_eq!(block[2].offset, VertexFormat::Float32x3.size() + VertexFormat::Uint32.size());
         let buffers = [Some(buffer::<Block>(VertexStepMode::Instance, &block))];
         let vertex = if colours.is_some() { "block_corner" } else { "block_shadow" };
-        self.make(vertex, &buffers, colours, None)
+        self.make(vertex, &buffers, colours.map(|_| "block_colour"), colours)
     }
 
     fn make(
         &self,
         vertex: &str,
         buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
-        colours: Option<(&str, TextureFormat)>,
-        shadow: Option<&str>,
+        fragment: Option<&str>,
+        colours: Option<TextureFormat>,
     ) -> wgpu::RenderPipeline {
-        let targets: Vec<_> = colours.map(|(_, format)| Some(format.into())).into_iter().collect();
-        let fragment = colours.map(|(entry, _)| entry).or(shadow).map(|entry| wgpu::FragmentState {
+        let targets: Vec<_> = colours.map(|format| Some(format.into())).into_iter().collect();
+        let fragment = fragment.map(|entry| wgpu::FragmentState {
             module: self.shaders,
             entry_point: Some(entry),
             compilation_options: Default::default(),

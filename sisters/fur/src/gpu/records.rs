@@ -142,8 +142,8 @@ pub struct DrawList {
     /// Of each shell: the number of its record, and its layer in the low half and the number of
     /// layers in the high one.
     pub(crate) shells: Vec<[u32; 2]>,
-    /// The shells of each mesh.
-    pub(crate) runs: Vec<(usize, Range<u32>)>,
+    /// The skins of each mesh, and its shells.
+    pub(crate) runs: Vec<(usize, [Range<u32>; 2])>,
     /// The joints of all animals that are posed: rows of matrices.
     pub(crate) joints: Vec<[[f32; 4]; 3]>,
     /// Walls and ground.
@@ -169,7 +169,8 @@ impl DrawList {
             for &(_, i, layers) in of_mesh {
                 list.shells.extend((1..=layers).rev().map(|layer| [i, layers << 16 | layer]));
             }
-            list.runs.push((of_mesh[0].0, first..list.shells.len() as u32));
+            let skins = first + of_mesh.len() as u32;
+            list.runs.push((of_mesh[0].0, [first..skins, skins..list.shells.len() as u32]));
         }
         list
     }

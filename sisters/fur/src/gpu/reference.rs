@@ -119,19 +119,18 @@ impl<'a> Reference<'a> {
                 let axis = tube.ends[1] - tube.ends[0];
                 let place = (eye + direction * t - tube.ends[0]).dot(axis) / axis.length_squared();
                 let along = tube.along[0] + (tube.along[1] - tube.along[0]) * place.clamp(0.0, 1.0) as f32;
-                // The lowest bits: the upper ones give the length.
-                let own = 1.0 + self.look.vary * (2.0 * (root.id & 255) as f32 / 255.0 - 1.0);
+                let own = 1.0 + self.look.vary * (2.0 * root.id as f32 / 255.0 - 1.0);
+                let height = along * root.share;
+                let fur = root.bent(&self.look.fur, height);
                 let strand = Directions {
-                    tangent: self.look.fur.tangent(root.direction, along * root.share),
+                    tangent: fur.tangent(root.direction, height),
                     normal: root.direction,
                     to_light: to_sun,
                     to_eye: -direction.as_vec3(),
                 };
                 let color = own * root.color * tint[0].lerp(tint[1], along);
                 let sky = self.look.material.depth(along);
-                let fur = &self.look.fur;
-                let length = root.share / fur.share(root.id);
-                let lit = fur.sun_through(root.direction, along * root.share, length, to_sun);
+                let lit = fur.sun_through(root.direction, height, root.share / fur.share(root.id), to_sun);
                 self.look.material.shade(color, &strand, sky, lit)
             }
             Part::Skin(i, corners) => {

@@ -14,25 +14,24 @@ use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::wgpu::{self, BufferUsages, TextureFormat};
 use casca_tools::camera::Camera;
 
-use crate::gpu::bindings::{depth_map, group, layouts};
+use crate::gpu::bindings::{depth_map, group, layouts, strand_map};
 use crate::gpu::buffers::{Buffers, Growing};
 use crate::gpu::error::FurGpuError;
 use crate::gpu::look::{Look, LookRecord, SKY};
-use crate::gpu::pipelines::{Pipelines, SHADERS};
+use crate::gpu::pipelines::{Pipelines, shaders};
 use crate::gpu::records::{DrawList, Frame, SHADOW_SIZE, Sun};
 
 /// Pipelines and buffers for some meshes and one format of pictures.
 pub struct Renderer {
     format: TextureFormat,
-    /// Without weights, and with.
-    shells: [wgpu::RenderPipeline; 2],
-    blocks: wgpu::RenderPipeline,
-    /// The same; shadows have no colours.
-    shell_shadows: [wgpu::RenderPipeline; 2],
-    block_shadows: wgpu::RenderPipeline,
+    /// For pictures, and for the shadow map.
+    pipelines: [Drawing; 2],
     layouts: [wgpu::BindGroupLayout; 2],
+    samples: u32,
+    walked: bool,
     frame: wgpu::Buffer,
     look: wgpu::Buffer,
+    strands: wgpu::Texture,
     shadow: wgpu::TextureView,
     /// One of these reads the shadow map, the other draws it.
     frame_groups: [wgpu::BindGroup; 2],
@@ -43,7 +42,7 @@ pub struct Renderer {
     instances: Growing,
     block_records: Growing,
     /// What was uploaded last: the shells of each mesh, and the number of blocks.
-    runs: Vec<(usize, Range<u32>)>,
+    runs: Vec<(usize, [Range<u32>; 2])>,
     walls: u32,
     /// The share of the sky's colour that the air adds, for each unit of the way.
     pub haze: f32,
@@ -106,19 +105,6 @@ impl Renderer {
     ) -> Result<Self, FurGpuError> {
         let device = &gpu.device;
         let layouts = layouts(device);
-        let pipelines = Pipelines {
-            device,
-            shaders: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("fur"),
-                source: wgpu::ShaderSource::Wgsl(SHADERS.into()),
-            }),
-            samples,
-            layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: None,
-                bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1])],
-                immediate_size: 0,
-            }),
-        };
         let frame = gpu.buffer(size_of::<Frame>() as u64, BufferUsages::UNIFORM)?;
         let records = Growing::new(gpu, BufferUsages::STORAGE)?;
         let joints = Growing::new(gpu, BufferUsages::STORAGE)?;
@@ -135,17 +121,15 @@ impl Renderer {
             group(device, &layouts[0], [frame.as_entire_binding(), map, sampler])
         });
         let look_buffer = gpu.buffer(size_of::<LookRecord>() as u64, BufferUsages::UNIFORM)?;
-        let look_group = group(
-            device,
-            &layouts[1],
-            [&look_buffer, &records.buffer, &joints.buffer].map(|buffer| buffer.as_entire_binding()),
-        );
-        let renderer = Self {
+        let strands = strand_map(device);
+        let look_group =
+            look_group(device, &layouts[1], [&look_buffer, &records.buffer, &joints.buffer], &strands);
+        let mut renderer = Self {
+            pipelines: pipelines(device, &layouts, format, samples, look.walked),
             format,
-            shells: [false, true].map(|posed| pipelines.shells(posed, Some(("shell_colour", format)))),
-            blocks: pipelines.blocks(Some(("block_colour", format))),
-            shell_shadows: [false, true].map(|posed| pipelines.shells(posed, None)),
-            block_shadows: pipelines.blocks(None),
+            samples,
+            walked: look.walked,
+            strands,
             layouts,
             frame,
             look: look_buffer,
@@ -171,7 +155,22 @@ impl Renderer {
     }
 
     /// Changes the look of all meshes.
-    pub fn set_look(&self, gpu: &Gpu, look: &Look) {
+    pub fn set_look(&mut self, gpu: &Gpu, look: &Look) {
+        if look.walked != self.walked {
+            self.walked = look.walked;
+            self.pipelines = pipelines(&gpu.device, &self.layouts, self.format, self.samples, look.walked);
+        }
+        let size = self.strands.size();
+        gpu.queue.write_texture(
+            self.strands.as_image_copy(),
+            bytemuck::cast_slice(&look.fur.table()),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * size.width),
+                rows_per_image: Some(size.height),
+            },
+            size,
+        );
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look.record()));
     }
 
@@ -283,8 +282,7 @@ impl Renderer {
         let moved = self.records.write(gpu, bytemuck::cast_slice(&list.records))?;
         if self.joints.write(gpu, bytemuck::cast_slice(&list.joints))? || moved {
             let buffers = [&self.look, &self.records.buffer, &self.joints.buffer];
-            let resources = buffers.map(|buffer| buffer.as_entire_binding());
-            self.look_group = group(&gpu.device, &self.layouts[1], resources);
+            self.look_group = look_group(&gpu.device, &self.layouts[1], buffers, &self.strands);
         }
         self.instances.write(gpu, bytemuck::cast_slice(&list.shells))?;
         self.block_records.write(gpu, bytemuck::cast_slice(&list.blocks))?;
@@ -296,25 +294,69 @@ impl Renderer {
     fn record(&self, pass: &mut wgpu::RenderPass<'_>, shadows: bool) {
         pass.set_bind_group(0, &self.frame_groups[usize::from(shadows)], &[]);
         pass.set_bind_group(1, &self.look_group, &[]);
-        let (blocks, shells) = match shadows {
-            false => (&self.blocks, &self.shells),
-            true => (&self.block_shadows, &self.shell_shadows),
-        };
+        let Drawing { blocks, meshes } = &self.pipelines[usize::from(shadows)];
         if self.walls > 0 {
             pass.set_pipeline(blocks);
             pass.set_vertex_buffer(0, self.block_records.buffer.slice(..));
             pass.draw(0..36, 0..self.walls);
         }
         pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
-        for (mesh, run) in &self.runs {
-            let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
-            pass.set_pipeline(&shells[usize::from(mesh.followers.is_some())]);
-            if let Some(followers) = &mesh.followers {
-                pass.set_vertex_buffer(2, followers.slice(..));
+        // All skins first: they hide the shells of what is behind them.
+        for (part, pipelines) in meshes.iter().enumerate() {
+            for (mesh, runs) in &self.runs {
+                let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
+                pass.set_pipeline(&pipelines[usize::from(mesh.followers.is_some())]);
+                if let Some(followers) = &mesh.followers {
+                    pass.set_vertex_buffer(2, followers.slice(..));
+                }
+                pass.set_vertex_buffer(1, mesh.corners.slice(..));
+                pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..mesh.count, 0, runs[part].clone());
             }
-            pass.set_vertex_buffer(1, mesh.corners.slice(..));
-            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..mesh.count, 0, run.clone());
         }
     }
+}
+
+/// The pipelines of a pass: skins and shells, without weights and with.
+struct Drawing {
+    meshes: [[wgpu::RenderPipeline; 2]; 2],
+    blocks: wgpu::RenderPipeline,
+}
+
+/// Those for pictures, and those for the shadow map, whose shaders give no colours.
+fn pipelines(
+    device: &wgpu::Device,
+    layouts: &[wgpu::BindGroupLayout; 2],
+    format: TextureFormat,
+    samples: u32,
+    walked: bool,
+) -> [Drawing; 2] {
+    let made = Pipelines {
+        device,
+        shaders: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("fur"),
+            source: wgpu::ShaderSource::Wgsl(shaders(walked).into()),
+        }),
+        samples,
+        layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &layouts.each_ref().map(Some),
+            immediate_size: 0,
+        }),
+    };
+    [Some(format), None].map(|format| Drawing {
+        meshes: [true, false].map(|skin| [false, true].map(|posed| made.mesh(posed, skin, format))),
+        blocks: made.blocks(format),
+    })
+}
+
+fn look_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    buffers: [&wgpu::Buffer; 3],
+    strands: &wgpu::Texture,
+) -> wgpu::BindGroup {
+    let table = strands.create_view(&Default::default());
+    let buffers = buffers.map(|buffer| buffer.as_entire_binding());
+    group(device, layout, buffers.into_iter().chain([wgpu::BindingResource::TextureView(&table)]))
 }

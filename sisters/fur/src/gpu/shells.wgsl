@@ -3,6 +3,8 @@
 // The highlight of bald skin; as in the reference.
 const WET: f32 = 0.7;
 const WET_EXPONENT: f32 = 140.0;
+// Of so many layers one casts the shadows of all, through a slab as thick: strands show less in shadows.
+const SHADOW_LAYERS: u32 = 4u;
 
 struct Record {
     // Object space to world space.
@@ -18,6 +20,7 @@ struct Record {
 
 @group(1) @binding(0) var<uniform> look: Look;
 @group(1) @binding(1) var<storage, read> records: array<Record>;
+@group(1) @binding(3) var strands: texture_3d<u32>;
 
 struct Shell {
     @builtin(position) screen: vec4f,
@@ -28,18 +31,15 @@ struct Shell {
     @location(2) coat: vec4f,
     // Record, layer, layers.
     @location(3) @interpolate(flat) which: vec3u,
-    // World space, on the layer; the scale from the mesh at rest to the world.
-    @location(4) at: vec4f,
-    // The way of looking or of light, in the mesh at rest, of any length.
+    // The place in the shadow map; the scale from the mesh at rest to the world.
+    @location(4) lit: vec4f,
+    // In the mesh at rest, of any length: the way of looking or of light, and the way to the sun.
     @location(5) ray: vec3f,
-    // The axes of the mesh at rest in the world.
-    @location(6) x: vec3f,
-    @location(7) y: vec3f,
-    @location(8) z: vec3f,
+    @location(6) sun: vec3f,
     // The bend of strands, in the mesh at rest.
-    @location(9) bend: vec3f,
+    @location(7) bend: vec3f,
     // A corner of the triangle, in the mesh at rest.
-    @location(10) @interpolate(flat) corner: vec3f,
+    @location(8) @interpolate(flat) corner: vec3f,
 }
 
 struct Corner {
@@ -50,13 +50,23 @@ struct Corner {
     @location(3) coat: vec4f,
 }
 
-/// From the mesh at rest to the world.
-fn turned(in: Shell, v: vec3f) -> vec3f {
-    return normalize(in.x * v.x + in.y * v.y + in.z * v.z);
-}
-
 fn height_of(which: vec3u) -> f32 {
     return f32(which.y) / f32(max(which.z, 1u));
+}
+
+/// The strand next to a texel of the table.
+fn strand_near(texel: vec3i) -> u32 {
+    return textureLoad(strands, texel, 0).x;
+}
+
+/// A fragment as if its tuft stood upright.
+fn swayed(in: Shell) -> Shell {
+    let normal = normalize(in.normal);
+    let to = sway(look, in.base, height_of(in.which) * in.coat.w);
+    var out = in;
+    out.base -= (to.way - normal * dot(to.way, normal)) * look.height;
+    out.bend += to.bend;
+    return out;
 }
 
 /// The fur as it is bent here.
@@ -66,35 +76,36 @@ fn bent(bend: vec3f) -> Look {
     return there;
 }
 
-/// A vertex of a layer; `rows` go from the mesh at rest to the world, rays start at `eye` (w = 1) or run along it (w = 0).
-fn shell(corner: Corner, rows: array<vec4f, 3>, eye: vec4f) -> Shell {
+/// A vertex of a layer; `rows` go from the mesh at rest to the world.
+fn shell(corner: Corner, rows: array<vec4f, 3>, by_sun: bool) -> Shell {
     var out: Shell;
     out.which = vec3u(corner.which.x, corner.which.y & 0xffffu, corner.which.y >> 16u);
+    if by_sun {
+        out.which.z = (out.which.z + SHADOW_LAYERS - 1u) / SHADOW_LAYERS;
+    }
     out.base = corner.base;
     out.corner = corner.base;
     out.normal = corner.normal;
     out.coat = corner.coat;
     let axes = transpose(mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz));
-    out.x = axes[0];
-    out.y = axes[1];
-    out.z = axes[2];
     out.bend = leaning(look.bend, records[corner.which.x].lean, axes);
-    let above = extrusion(bent(out.bend), corner.normal, corner.coat.w * height_of(out.which));
-    let at = transformed(rows, vec4f(corner.base + above, 1.0));
-    out.at = vec4f(at, pow(abs(determinant(axes)), 1.0 / 3.0));
-    out.ray = taken_back(axes, at * eye.w - eye.xyz);
-    return out;
-}
-
-fn seen_by_eye(corner: Corner, rows: array<vec4f, 3>) -> Shell {
-    var out = shell(corner, rows, vec4f(frame.eye.xyz, 1.0));
-    out.screen = to_screen(out.at.xyz);
-    return out;
-}
-
-fn seen_by_sun(corner: Corner, rows: array<vec4f, 3>) -> Shell {
-    var out = shell(corner, rows, vec4f(frame.sun.xyz, 0.0));
-    out.screen = frame.sun_clip * vec4f(out.at.xyz, 1.0);
+    let t = height_of(out.which);
+    let at = transformed(rows, vec4f(corner.base + extrusion(bent(out.bend), corner.normal, corner.coat.w * t), 1.0));
+    let scale = pow(abs(determinant(axes)), 1.0 / 3.0);
+    // The fur's own height and two texels towards the outside: fur must not shade itself by the map.
+    let up = axes * corner.normal / max(length(axes * corner.normal), 1e-30);
+    let lift = look.height * corner.coat.w * scale * (1.0 - t) + 2.0 * frame.shadow.x;
+    let lifted = at + up * lift + frame.sun.xyz * 2.0 * frame.shadow.x;
+    out.lit = vec4f((frame.sun_clip * vec4f(lifted, 1.0)).xyz, scale);
+    out.sun = frame.sun.xyz * axes;
+    if by_sun {
+        out.ray = taken_back(axes, -frame.sun.xyz);
+        // Nowhere, for the layers that cast none.
+        out.screen = select(frame.sun_clip * vec4f(at, 1.0), vec4f(2.0, 2.0, 2.0, 1.0), out.which.y > out.which.z);
+    } else {
+        out.ray = taken_back(axes, at - frame.eye.xyz);
+        out.screen = to_screen(at);
+    }
     return out;
 }
 
@@ -105,96 +116,89 @@ fn posed(record: u32, follows: vec4u, shares: vec4f) -> array<vec4f, 3> {
 
 @vertex
 fn shell_corner(corner: Corner) -> Shell {
-    return seen_by_eye(corner, records[corner.which.x].rows);
+    return shell(corner, records[corner.which.x].rows, false);
 }
 
 @vertex
 fn shell_shadow_corner(corner: Corner) -> Shell {
-    return seen_by_sun(corner, records[corner.which.x].rows);
+    return shell(corner, records[corner.which.x].rows, true);
 }
 
 @vertex
 fn posed_shell_corner(corner: Corner, @location(4) follows: vec4u, @location(5) shares: vec4f) -> Shell {
-    return seen_by_eye(corner, posed(corner.which.x, follows, shares));
+    return shell(corner, posed(corner.which.x, follows, shares), false);
 }
 
 @vertex
 fn posed_shell_shadow_corner(corner: Corner, @location(4) follows: vec4u, @location(5) shares: vec4f) -> Shell {
-    return seen_by_sun(corner, posed(corner.which.x, follows, shares));
+    return shell(corner, posed(corner.which.x, follows, shares), true);
 }
 
-fn strand_here(there: Look, skin: Skin, height: f32, long: f32) -> Seen {
-    let hit = strand_at(there, skin, height, long);
-    // The upper bits give the length: the lower ones are for the colour.
-    return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height, hit.root, skin.normal);
+fn unit_vector(v: vec3f) -> vec3f {
+    return v / max(length(v), 1e-30);
 }
 
 /// How much of the sun the skin gets: light wraps around it.
-fn facing(normal: vec3f) -> f32 {
-    return saturate((dot(normal, frame.sun.xyz) + look.wrap) / (1.0 + look.wrap));
-}
-
-/// The share of the sun that other strands let through to a height in the mesh at rest.
-fn between_strands(in: Shell, normal: vec3f, height: f32) -> f32 {
-    let sun = vec3f(dot(frame.sun.xyz, in.x), dot(frame.sun.xyz, in.y), dot(frame.sun.xyz, in.z));
-    let there = sun / max(length(sun), 1e-30);
-    return sun_through(bent(in.bend), normal, height, in.coat.w, there);
+fn facing(normal: vec3f, to_sun: vec3f) -> f32 {
+    return saturate((dot(normal, to_sun) + look.wrap) / (1.0 + look.wrap));
 }
 
 /// The light of a strand, by the shares of the light from everywhere and of the sun's that reach it: the twin of
 /// `Material::shade_by` in casca-fur.
-fn strand_light(colour: vec3f, tangent: vec3f, normal: vec3f, to_eye: vec3f, sky: f32, sun: f32) -> vec3f {
-    let lobes = kajiya_kay(tangent, frame.sun.xyz, to_eye, look.exponent);
-    let direct = facing(normal) * sun;
+fn strand_light(
+    colour: vec3f, tangent: vec3f, normal: vec3f, to_sun: vec3f, to_eye: vec3f, sky: f32, sun: f32,
+) -> vec3f {
+    let lobes = kajiya_kay(tangent, to_sun, to_eye, look.exponent);
+    let direct = facing(normal, to_sun) * sun;
     let matt = colour * (sky * look.ambient + look.diffuse * (0.5 + 0.5 * lobes.x) * direct);
     return matt + look.specular * lobes.y * direct;
 }
 
 @fragment
-fn shell_colour(in: Shell) -> @location(0) vec4f {
-    let c = change(in);
-    let paint = paint_of(in);
-    let record = in.which.x;
+fn skin_colour(in: Shell) -> @location(0) vec4f {
     let normal = normalize(in.normal);
-    let scale = in.at.w;
-    let t = height_of(in.which);
-    let at = in.at.xyz;
-    let out = turned(in, normal);
-    let fur = look.height * in.coat.w * scale;
-    // The fur's own height and two texels towards the outside: fur must not shade itself by the map.
-    let lifted = at + out * (fur * (1.0 - t) + 2.0 * frame.shadow.x) + frame.sun.xyz * 2.0 * frame.shadow.x;
-    if in.which.y == 0u {
-        // The skin below fur is as dark as the roots, bald skin is not.
-        let skin = mix(1.0, look.dark, smoothstep(0.0, 0.2, in.coat.w));
-        let colour = colour_at(in, c, paint, vec3f(0.0)) * records[record].root.rgb;
-        let sun = facing(out) * sunlight(lifted);
-        let through = between_strands(in, normal, 0.0);
-        // Bald skin, as of eyes and noses, is wet: Blinn's highlight.
-        let half = normalize(frame.sun.xyz + normalize(frame.eye.xyz - at));
-        let wet = WET * (1.0 - smoothstep(0.0, 0.2, in.coat.w)) * pow(saturate(dot(out, half)), WET_EXPONENT);
-        return stored(colour * (skin * look.ambient + through * look.diffuse * sun) + wet * sun, at);
-    }
-    let width = frame.eye.w * distance(at, frame.eye.xyz) / scale;
-    let hit = seen(in, c, normal, width, normalize(in.ray));
-    if !hit.found {
-        discard;
-    }
-    let own = 1.0 + look.vary * (2.0 * hit.own - 1.0);
-    let colour = own * colour_at(in, c, paint, hit.root) * mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
-    let along = turned(in, strand_tangent(bent(in.bend), hit.normal, hit.height));
-    let to_eye = normalize(frame.eye.xyz - at);
-    let sky = mix(look.dark, 1.0, hit.along);
-    let sun = between_strands(in, hit.normal, hit.height) * sunlight(lifted);
-    return stored(strand_light(colour, along, turned(in, hit.normal), to_eye, sky, sun), at);
+    let to_sun = unit_vector(in.sun);
+    // The skin below fur is as dark as the roots, bald skin is not.
+    let furry = smoothstep(0.0, 0.2, in.coat.w);
+    let colour = in.coat.rgb * records[in.which.x].root.rgb;
+    let sun = facing(normal, to_sun) * sunlight(in.lit.xyz);
+    let through = sun_through(bent(in.bend), normal, 0.0, in.coat.w, to_sun);
+    // Bald skin, as of eyes and noses, is wet: Blinn's highlight.
+    let half = unit_vector(to_sun - unit_vector(in.ray));
+    let wet = WET * (1.0 - furry) * pow(saturate(dot(normal, half)), WET_EXPONENT);
+    let sky = mix(1.0, look.dark, furry) * look.ambient;
+    return stored(colour * (sky + through * look.diffuse * sun) + wet * sun, length(in.ray) * in.lit.w);
 }
 
 @fragment
-fn shell_shadow(in: Shell) {
-    let c = change(in);
-    if in.which.y > 0u {
-        // The ray is the sun's: whoever looks changes no shadow.
-        if !seen(in, c, normalize(in.normal), frame.shadow.x / in.at.w, normalize(in.ray)).found {
-            discard;
-        }
+fn shell_colour(given: Shell) -> @location(0) vec4f {
+    let c = change(given);
+    let paint = paint_of(given);
+    let in = swayed(given);
+    let far = length(in.ray);
+    let ray = in.ray / max(far, 1e-30);
+    let hit = seen(in, c, normalize(in.normal), frame.eye.w * far, ray);
+    if !hit.found {
+        discard;
+    }
+    let record = in.which.x;
+    let own = 1.0 + look.vary * (2.0 * hit.own - 1.0);
+    let tint = mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
+    let colour = own * colour_at(in, c, paint, hit.root) * tint;
+    let there = bent(in.bend);
+    let to_sun = unit_vector(in.sun);
+    let along = strand_tangent(there, hit.normal, hit.height);
+    let sky = mix(look.dark, 1.0, hit.along);
+    let sun = sun_through(there, hit.normal, hit.height, in.coat.w, to_sun) * sunlight(in.lit.xyz);
+    return stored(strand_light(colour, along, hit.normal, to_sun, -ray, sky, sun), far * in.lit.w);
+}
+
+@fragment
+fn shell_shadow(given: Shell) {
+    let c = change(given);
+    let in = swayed(given);
+    // The ray is the sun's: whoever looks changes no shadow.
+    if !seen(in, c, normalize(in.normal), frame.shadow.x / in.lit.w, unit_vector(in.ray)).found {
+        discard;
     }
 }

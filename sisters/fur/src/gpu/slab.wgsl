@@ -69,51 +69,6 @@ fn through_slab(rise: f32, bulge: f32, thick: f32) -> f32 {
     return 2.0 * thick / max(abs(rise) + sqrt(max(square, 0.0)), LEAST_CLIMB);
 }
 
-/// The strand that a ray meets between this shell and the next one: shells seen from the side do not come apart.
-fn along_ray(in: Shell, c: Change, skin: Skin, ray: vec3f) -> Seen {
-    let there = bent(in.bend);
-    let height = height_of(in.which) * in.coat.w;
-    let up = (skin.normal + bend_at(there, skin.normal) * (2.0 * height)) * look.height;
-    let across = cross(c.shell[0], c.shell[1]);
-    let det = dot(across, up);
-    let x = dot(cross(ray, c.shell[1]), up) / det;
-    let y = dot(cross(c.shell[0], ray), up) / det;
-    let side = c.base[0] * x + c.base[1] * y;
-    let turn = c.normal[0] * x + c.normal[1] * y;
-    let rise = dot(across, ray) / det;
-    if rise > 0.0 && in.which.y >= in.which.z {
-        // Nothing is above the highest shell.
-        return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0), skin.normal);
-    }
-    // The skin bends away from the ray, so that the height is a parabola. Beyond the triangle it goes by the normal and
-    // not by the triangle.
-    let bulge = dot(ray, turn) / look.height;
-    let climb = dot(ray, skin.normal) / look.height;
-    let far = through_slab(select(rise, climb, climb * rise >= 0.0), bulge, in.coat.w / f32(max(in.which.z, 1u)));
-    // In cells from here on.
-    let cell = look.spacing;
-    let speed = length(side);
-    let curve = dot(side, turn) / max(speed, LEAST_SPEED);
-    let narrowing = curve / max(speed, LEAST_SPEED) * look.height;
-    var path: Path;
-    path.skin = skin;
-    path.skin.slope = skin.slope * cell;
-    path.corner = (in.corner - in.base) / cell;
-    // Between vertices a shell is as much lower as the mean of their normals is shorter.
-    path.start = extrusion(there, skin.normal, height * length(in.normal)) / cell;
-    path.ray = ray;
-    path.far = far / cell;
-    path.side = side;
-    path.curve = curve * cell;
-    path.slowing = narrowing * rise / (1.0 + narrowing * height) * cell;
-    path.height = height;
-    path.rise = rise * cell;
-    path.bulge = bulge * cell * cell;
-    path.long = in.coat.w;
-    let met = strand_along(there, path);
-    return Seen(met.found, f32(met.id & 255u) / 255.0, met.along, met.height, met.root * cell, met.normal);
-}
-
 /// The strand in a fragment of a shell. `width` is that of a pixel, `ray` the unit direction of looking or of light, both in object space.
 fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     let t = height_of(in.which);
@@ -124,13 +79,11 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
         return nothing;
     }
     // Strands thinner than a pixel cannot be told apart: what shows is their share of the skin.
-    let word = dither(in.base, width, in.which.y);
-    if unit(word.x) < saturate((width - look.fine) / (look.coarse - look.fine)) {
-        return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0), normal);
+    if width > look.fine {
+        let word = dither(in.base, width, in.which.y);
+        if unit(word.x) < width / look.fine - 1.0 {
+            return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0), normal);
+        }
     }
-    let skin = skin_of(in.base, normal, c);
-    if look.steps <= 1u {
-        return strand_here(bent(in.bend), skin, height, long);
-    }
-    return along_ray(in, c, skin, ray);
+    return strand_met(in, c, skin_of(in.base, normal, c), ray);
 }

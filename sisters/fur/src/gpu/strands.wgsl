@@ -1,4 +1,4 @@
-// The twin of `strand_at` in casca-fur: the same steps in the same order, in single precision.
+// Where strands stand and how they are lit: the twin of `Fur` in casca-fur, in single precision.
 
 // Half the slab around the skin in which points are roots, in cells; as in casca-fur.
 const HALF_SLAB: f32 = 0.25;
@@ -6,9 +6,16 @@ const HALF_SLAB: f32 = 0.25;
 const LEAST_LEAN: f32 = 0.1;
 // A coat shorter than this share of the full length is bald: a step of a colour of 8 bits.
 const SHORTEST: f32 = 0.004;
-// Steps of the sun's way through fur, and its least height over the skin; as in casca-fur.
-const LIGHT_STEPS: u32 = 8;
+// The sun's least height over the skin; as in casca-fur.
 const LEAST_RISE: f32 = 0.15;
+// Cells after which strands repeat, and what makes lengths of their bytes; as in casca-fur.
+const PERIOD: u32 = 16u;
+const SPREAD: u32 = 0x9e3779b1u;
+// Tufts and curls; as in casca-fur.
+const TUFT: f32 = 9.0;
+const CLUMPED: f32 = 0.1;
+const CURLED: f32 = 0.045;
+const TURNS: f32 = 16.0;
 
 struct Look {
     // See `Fur` in casca-fur.
@@ -18,13 +25,12 @@ struct Look {
     radius: f32,
     taper: f32,
     variation: f32,
+    clump: f32,
+    curl: f32,
     per_cell: u32,
     seed: u32,
-    // The most steps of a fragment through its slab.
-    steps: u32,
-    // Between these widths of a pixel strands give way to their mean.
+    // From this width of a pixel to its double strands give way to their mean.
     fine: f32,
-    coarse: f32,
     exponent: f32,
     wrap: f32,
     dark: f32,
@@ -32,15 +38,6 @@ struct Look {
     diffuse: f32,
     specular: f32,
     vary: f32,
-}
-
-struct Strand {
-    found: bool,
-    id: u32,
-    offset: f32,
-    along: f32,
-    // From the point on the skin to the strand's root.
-    root: vec3f,
 }
 
 fn mixed(words: vec4u) -> vec4u {
@@ -63,7 +60,19 @@ fn unit(word: u32) -> f32 {
 }
 
 fn share(look: Look, id: u32) -> f32 {
-    return 1.0 - look.variation * unit(id);
+    return 1.0 - look.variation * unit(id * SPREAD);
+}
+
+/// A point of a cell, from its least corner, and its random byte: the twin of `Fur::point`.
+struct Point {
+    place: vec3f,
+    id: u32,
+}
+
+fn point_of(look: Look, cell: vec3f, k: u32) -> Point {
+    let number = bitcast<vec3u>(vec3i(cell)) % vec3u(PERIOD);
+    let word = hash(vec4u(number, look.seed * 4u + k));
+    return Point((vec3f(word.xyz >> vec3u(25u)) + 0.5) / 128.0, word.w >> 24u);
 }
 
 /// The skin below a point of a layer.
@@ -76,45 +85,30 @@ struct Skin {
     slope: mat3x3f,
 }
 
-/// The strand at a point of a layer; `height` and `long` are 0 to 1.
-fn strand_at(look: Look, skin: Skin, height: f32, long: f32) -> Strand {
-    let place = skin.base * (1.0 / look.spacing);
-    let first = floor(place - 0.5);
-    let lean = dot(skin.normal, skin.plane);
-    let lift = select(skin.normal, skin.plane / lean, lean > LEAST_LEAN);
-    // In cells from here on.
-    let tall = look.height / look.spacing;
-    let slope = skin.slope * look.spacing;
-    // How far a turn of the normal moves the layer; along the bend, too.
-    let turned = tall * height * (1.0 - height * dot(look.bend, skin.normal));
-    let tangent = strand_tangent(look, skin.normal, height);
-    let rise = dot(tangent, skin.normal) / max(tall, 1e-30);
-    var best = Strand(false, 0u, 1.0, 0.0, vec3f(0.0));
-    for (var corner = 0u; corner < 8u; corner++) {
-        let cell = first + vec3f(f32(corner & 1u), f32((corner >> 1u) & 1u), f32(corner >> 2u));
-        let number = bitcast<vec3u>(vec3i(cell));
-        for (var k = 0u; k < look.per_cell; k++) {
-            let word = hash(vec4u(number, look.seed * 4u + k));
-            let way = (cell - place) + vec3f(unit(word.x), unit(word.y), unit(word.z));
-            let above = dot(way, lift);
-            let side = way - skin.normal * above;
-            // From here to the middle of the strand at this height.
-            let away = side + (slope * side) * (turned - above);
-            let back = dot(away, tangent);
-            let along = max(height - back * rise, 0.0) / (long * share(look, word.w));
-            let radius = look.radius * (1.0 - look.taper * along);
-            let offset = length(away - tangent * back) / radius;
-            if abs(above) < HALF_SLAB && along <= 1.0 && radius > 0.0 && offset < best.offset {
-                best = Strand(true, word.w, offset, along, side * look.spacing);
-            }
-        }
-    }
-    return best;
-}
-
 /// The part of the bend along the skin.
 fn bend_at(look: Look, normal: vec3f) -> vec3f {
     return look.bend - normal * dot(look.bend, normal);
+}
+
+/// How strands of a tuft go aside at a height, besides their bend: how far, in heights of the fur, and the bend that has
+/// the same slope there. The twin of `Fur::sway`.
+struct Sway {
+    way: vec3f,
+    bend: vec3f,
+}
+
+fn sway(look: Look, base: vec3f, height: f32) -> Sway {
+    let tuft = TUFT * look.spacing;
+    let at = base * (6.2831853 / tuft);
+    let wave = sin(at + 2.0 * sin(0.61 * at.yzx));
+    let angle = TURNS * height + 2.0 * wave.x + vec3f(0.0, 2.0943951, 4.1887902);
+    let unit = tuft / look.height;
+    let clump = wave * (look.clump * CLUMPED * unit);
+    let curl = look.curl * CURLED * unit;
+    return Sway(
+        (clump + curl * cos(angle)) * (height * height),
+        clump + curl * (cos(angle) - (0.5 * TURNS * height) * sin(angle)),
+    );
 }
 
 /// From a point of the skin to the layer at a height.
@@ -125,6 +119,46 @@ fn extrusion(look: Look, normal: vec3f, height: f32) -> vec3f {
 /// The direction of strands at a height.
 fn strand_tangent(look: Look, normal: vec3f, height: f32) -> vec3f {
     return normalize(normal + bend_at(look, normal) * (2.0 * height));
+}
+
+/// Where a ray enters a strand: how many cells along it, and where on the strand, 0 to 1.
+struct Cone {
+    found: bool,
+    way: f32,
+    along: f32,
+}
+
+/// A strand along a tangent, which rises by `lean` for each cell. `away` leads from its middle at a height to the
+/// beginning of the ray.
+fn into_cone(look: Look, away: vec3f, ray: vec3f, tangent: vec3f, lean: f32, height: f32, length: f32, far: f32) -> Cone {
+    // From here on x is at the beginning of the ray, and y what a cell of its way adds.
+    let back = vec2f(dot(away, tangent), dot(ray, tangent));
+    let rise = lean * look.spacing / max(look.height * length, 1e-30);
+    let along = vec2f(height / length, 0.0) + back * rise;
+    let radius = look.radius * (vec2f(1.0, 0.0) - look.taper * along);
+    let aside = away - tangent * back.x;
+    let going = ray - tangent * back.y;
+    // Inside of the cone a way² + 2 b way + c is below 0.
+    let a = dot(going, going) - radius.y * radius.y;
+    let b = dot(aside, going) - radius.x * radius.y;
+    let c = dot(aside, aside) - radius.x * radius.x;
+    let square = b * b - a * c;
+    let q = -(b + select(-1.0, 1.0, b >= 0.0) * sqrt(max(square, 0.0)));
+    let sides = vec2f(min(q / a, c / q), max(q / a, c / q));
+    let ends = (vec2f(0.0, 1.0) - along.x) / along.y;
+    var first = max(0.0, min(ends.x, ends.y));
+    var last = min(far, max(ends.x, ends.y));
+    if a > 0.0 {
+        first = max(first, sides.x);
+        last = min(last, sides.y);
+    } else if radius.y > 0.0 {
+        // Steeper than the cone, towards the root...
+        first = max(first, sides.y);
+    } else {
+        // ...and towards the tip.
+        last = min(last, sides.x);
+    }
+    return Cone(square >= 0.0 && first <= last, first, clamp(along.x + along.y * first, 0.0, 1.0));
 }
 
 /// The share of the skin that strands cover at a share of the coat's length: the mean over strands of all lengths, which overlap
@@ -144,19 +178,13 @@ fn mean_cover(look: Look, t: f32) -> f32 {
 fn sun_through(look: Look, normal: vec3f, height: f32, long: f32, to_sun: vec3f) -> f32 {
     let up = dot(normal, to_sun);
     let slope = (to_sun - normal * up) / max(up, LEAST_RISE);
-    let side = bend_at(look, normal);
-    let step = max(long - height, 0.0) / f32(LIGHT_STEPS);
-    // Strands of four lengths stand for all.
+    // Strands of four lengths stand for all: how wide each is from here on, times how far it goes.
     let lengths = max(long, 1e-30) * (1.0 - look.variation * (vec4f(0.5, 1.5, 2.5, 3.5) / 4.0));
-    var met = 0.0;
-    for (var i = 0u; i < LIGHT_STEPS; i++) {
-        let there = height + (f32(i) + 0.5) * step;
-        let along = vec4f(there) / lengths;
-        let wide = select(vec4f(0.0), 2.0 * (1.0 - look.taper * along), along <= vec4f(1.0));
-        met += dot(wide, vec4f(0.25)) * length(slope - side * (2.0 * there));
-    }
+    let shadows = max(lengths - height, vec4f(0.0)) * (2.0 - look.taper * (1.0 + height / lengths));
+    // The bend halfway up.
+    let met = dot(shadows, vec4f(0.25)) * length(slope - bend_at(look, normal) * (height + long));
     let strands = 0.5 * f32(look.per_cell) / look.spacing;
-    return exp(-met * step * look.height * look.radius * strands);
+    return exp(-met * look.height * look.radius * strands);
 }
 
 /// The diffuse and the specular share of the light of a strand along `along`: Kajiya and Kay 1989.

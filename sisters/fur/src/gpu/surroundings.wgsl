@@ -23,24 +23,24 @@ fn to_screen(at: vec3f) -> vec4f {
     return vec4f(clip.xy, clip.w - clip.z, clip.w);
 }
 
-/// The share of the sun that reaches a place.
-fn sunlight(at: vec3f) -> f32 {
-    let there = frame.sun_clip * vec4f(at, 1.0);
+/// The share of the sun that reaches a place of the shadow map: the mean of four texels.
+fn sunlight(there: vec3f) -> f32 {
     if frame.sun.w == 0.0 || any(abs(there.xy) >= vec2f(1.0)) || there.z >= 1.0 {
         return 1.0;
     }
-    let uv = there.xy * vec2f(0.5, -0.5) + 0.5;
-    var lit = 0.0;
-    for (var i = 0; i < 4; i++) {
-        let corner = (vec2f(f32(i & 1), f32(i >> 1)) - 0.5) * frame.shadow.y;
-        lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + corner, there.z);
-    }
-    return 0.25 * lit;
+    return textureSampleCompareLevel(shadow_map, shadow_sampler, there.xy * vec2f(0.5, -0.5) + 0.5, there.z);
 }
 
-/// Linear light as it is stored, with haze before it.
-fn stored(light: vec3f, at: vec3f) -> vec4f {
-    let share = exp(-frame.sky.w * distance(at, frame.eye.xyz));
+/// The same for walls and the ground, whose borders of shadows nothing else softens.
+fn soft_sunlight(there: vec3f) -> f32 {
+    let half = frame.shadow.y;
+    return 0.25 * (sunlight(there + vec3f(-half, -half, 0.0)) + sunlight(there + vec3f(half, -half, 0.0))
+        + sunlight(there + vec3f(-half, half, 0.0)) + sunlight(there + vec3f(half, half, 0.0)));
+}
+
+/// Linear light as it is stored, with so much haze before it.
+fn stored(light: vec3f, away: f32) -> vec4f {
+    let share = exp(-frame.sky.w * away);
     return vec4f(pow(saturate(mix(frame.sky.rgb, light, share)), vec3f(1.0 / 2.2)), 1.0);
 }
 
@@ -126,7 +126,7 @@ fn block_colour(wall: Wall) -> @location(0) vec4f {
     }
     // Half a texel to the side and two towards the sun: a flat side must not shade itself.
     let lifted = wall.at + (wall.normal + frame.sun.xyz) * 2.0 * frame.shadow.x;
-    let direct = max(dot(wall.normal, frame.sun.xyz), 0.0) * sunlight(lifted);
+    let direct = max(dot(wall.normal, frame.sun.xyz), 0.0) * soft_sunlight((frame.sun_clip * vec4f(lifted, 1.0)).xyz);
     let ambient = 0.35 * (0.7 + 0.3 * wall.normal.y);
-    return stored(colour * (ambient + 1.3 * direct), wall.at);
+    return stored(colour * (ambient + 1.3 * direct), distance(wall.at, frame.eye.xyz));
 }

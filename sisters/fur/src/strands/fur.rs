@@ -1,14 +1,13 @@
-//! The parameters of fur, the strand at a point, and how much of the sun passes through.
+//! The parameters of fur, where its strands stand, and how much of the sun passes through.
 
-use std::f32::consts::PI;
+use std::f32::consts::{PI, TAU};
 
-use glam::{IVec3, Vec3};
+use glam::{IVec3, Vec3, Vec3Swizzles};
 
-use super::skin::Skin;
 use crate::error::{Error, range};
 use crate::numeric::{
-    CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, LEAST_DIVISOR, LEAST_LENGTH, LEAST_RISE, LIGHT_STEPS,
-    MAX_CELLS, MAX_COORDINATE, MAX_PER_CELL, MAX_RADIUS,
+    CELLS_ON_RADIUS, CLUMPED, CURLED, EXTRUSION_ERROR, LEAST_DIVISOR, LEAST_LENGTH, LEAST_RISE, MAX_CELLS,
+    MAX_COORDINATE, MAX_PER_CELL, MAX_RADIUS, PERIOD, SPREAD, TUFT, TURNS,
 };
 
 /// The fur of an object. All lengths are in its object space.
@@ -30,20 +29,12 @@ pub struct Fur {
     pub taper: f32,
     /// How much shorter the shortest strands are than the longest: 0 to 1.
     pub variation: f32,
+    /// How far the tips of a tuft come together, 0 to 1: a tuft is nine cells wide.
+    pub clump: f32,
+    /// How far strands curl, 0 to 1; those of a tuft curl together.
+    pub curl: f32,
     /// Another seed places other strands.
     pub seed: u32,
-}
-
-/// A strand of fur, as a fragment meets it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strand {
-    /// A random word of the strand, the same in all its fragments: for its colour.
-    pub id: u32,
-    /// The distance from the middle of the strand, 0 to 1: its share of the strand's radius at this
-    /// height.
-    pub offset: f32,
-    /// The place along the strand: 0 at the root, 1 at the tip.
-    pub along: f32,
 }
 
 impl Fur {
@@ -70,6 +61,8 @@ impl Fur {
             radius: thick(per_cell),
             taper: 0.8,
             variation: 0.3,
+            clump: 0.0,
+            curl: 0.0,
             seed: 1,
         })
     }
@@ -95,7 +88,9 @@ impl Fur {
         range("the points of a cell", self.per_cell.into(), 1.0, MAX_PER_CELL.into())?;
         range("the radius of a strand in cells", self.radius.into(), 1e-3, MAX_RADIUS.into())?;
         range("the taper", self.taper.into(), 0.0, 1.0)?;
-        range("the variation of lengths", self.variation.into(), 0.0, 1.0)
+        range("the variation of lengths", self.variation.into(), 0.0, 1.0)?;
+        range("how far tufts come together", self.clump.into(), 0.0, 1.0)?;
+        range("how far strands curl", self.curl.into(), 0.0, 1.0)
     }
 
     /// The greatest distance of a point of the fur from the point of the base mesh below it,
@@ -125,10 +120,10 @@ impl Fur {
         self.bend - normal * self.bend.dot(normal)
     }
 
-    /// The length of the strand with this random word, as a share of the length of the coat.
+    /// The length of the strand with this random byte, as a share of the length of the coat.
     #[inline]
     pub fn share(&self, id: u32) -> f32 {
-        1.0 - self.variation * unit(id)
+        1.0 - self.variation * unit(id.wrapping_mul(SPREAD))
     }
 
     /// The radius of a strand at a place along it, 0 to 1, in units of object space.
@@ -137,64 +132,33 @@ impl Fur {
         self.spacing * self.radius * (1.0 - self.taper * along)
     }
 
-    /// The strand at a point of a layer, or none. `height` is that of the layer as a share of the
-    /// greatest height, and `length` the length of the coat there ([`crate::mesh::Coat`]); both are
-    /// 0 to 1.
-    ///
-    /// Strands are round and as thick as [`Fur::radius_along`], wherever the skin bends: the
-    /// distance to the middle of a strand is taken at the height of the layer, where strands are
-    /// farther apart than their roots on round bodies and nearer in hollows, and across the strand
-    /// if it leans. Both hold as far as the skin is flat or a ball within a cell.
-    ///
-    /// Of several strands it is the one whose middle is relatively nearest; of those equally near,
-    /// the one in the cell found first: least z, then y, then x. Costs `8 * per_cell` hashes. NaN
-    /// has no strand.
-    pub fn strand_at(&self, skin: &Skin, height: f32, length: f32) -> Option<Strand> {
-        let place = skin.position * (1.0 / self.spacing);
-        let first = (place - 0.5).floor();
-        let lift = skin.lift();
-        // In cells from here on.
-        let tall = self.height / self.spacing;
-        let slope = skin.slope * self.spacing;
-        // How far a turn of the normal moves the layer; along the bend, too.
-        let turned = tall * height * (1.0 - height * self.bend.dot(skin.normal));
-        let tangent = self.tangent(skin.normal, height);
-        let rise = tangent.dot(skin.normal) / tall.max(f32::MIN_POSITIVE);
-        let mut best: Option<Strand> = None;
-        for corner in 0..8 {
-            let cell = first + Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32);
-            for k in 0..self.per_cell.min(MAX_PER_CELL) {
-                let (point, id) = self.point(cell.as_ivec3(), k);
-                // Relative to the cell, which loses fewer bits than world coordinates.
-                let way = (cell - place) + point;
-                let above = way.dot(lift);
-                let side = way - skin.normal * above;
-                // From here to the middle of the strand at this height.
-                let away = side + (slope * side) * (turned - above);
-                let back = away.dot(tangent);
-                let along = (height - back * rise).max(0.0) / (length * self.share(id));
-                let radius = self.radius * (1.0 - self.taper * along);
-                let offset = (away - tangent * back).length() / radius;
-                let within = above.abs() < HALF_SLAB && along <= 1.0 && radius > 0.0 && offset < 1.0;
-                if within && best.is_none_or(|b| offset < b.offset) {
-                    best = Some(Strand { id, offset, along });
-                }
-            }
-        }
-        best
+    /// How strands of a tuft go aside at a height, besides their bend: how far, in heights of the
+    /// fur, and the bend that has the same slope there. `base` is the place on the skin below them,
+    /// not their root: fragments know no other. Shaders compute the same.
+    pub fn sway(&self, base: Vec3, height: f32) -> [Vec3; 2] {
+        let tuft = TUFT * self.spacing;
+        let at = base * (TAU / tuft);
+        let sine = |v: Vec3| v.map(f32::sin);
+        let wave = sine(at + 2.0 * sine(0.61 * at.yzx()));
+        let angle = Vec3::new(0.0, TAU / 3.0, 2.0 * TAU / 3.0) + TURNS * height + 2.0 * wave.x;
+        let unit = tuft / self.height.max(LEAST_DIVISOR);
+        let (clump, curl) = (wave * (self.clump * CLUMPED * unit), self.curl * CURLED * unit);
+        let (sines, cosines) = (sine(angle), angle.map(f32::cos));
+        [
+            (clump + curl * cosines) * (height * height),
+            clump + curl * (cosines - 0.5 * TURNS * height * sines),
+        ]
     }
 
     /// The point `k` of a cell, relative to the cell's least corner and in cells, and its random
-    /// word.
+    /// byte. Cells repeat after [`PERIOD`], and points stand on a lattice of 128 in a cell, so that
+    /// a small table holds them all.
     #[inline]
     pub fn point(&self, cell: IVec3, k: u32) -> (Vec3, u32) {
-        let [x, y, z, id] = hash([
-            cell.x as u32,
-            cell.y as u32,
-            cell.z as u32,
-            self.seed.wrapping_mul(MAX_PER_CELL).wrapping_add(k),
-        ]);
-        (Vec3::new(unit(x), unit(y), unit(z)), id)
+        let [x, y, z] = cell.to_array().map(|c| c as u32 % PERIOD);
+        let [x, y, z, id] = hash([x, y, z, self.seed.wrapping_mul(MAX_PER_CELL).wrapping_add(k)]);
+        let place = |word: u32| ((word >> 25) as f32 + 0.5) / 128.0;
+        (Vec3::new(place(x), place(y), place(z)), id >> 24)
     }
 
     /// The mean share of sunlight that reaches a height in a coat of a length on flat skin with a
@@ -203,24 +167,19 @@ impl Fur {
     ///
     /// Beer's law: strands stand at random, and a ray that passes a layer meets as many as stand in
     /// the area that their diameters sweep. A ray rises by one while it goes sideways by the slope
-    /// of the light less that of the strands. Costs 32 sums. Shaders compute the same.
+    /// of the light less that of the strands halfway up. Shaders compute the same.
     pub fn sun_through(&self, normal: Vec3, height: f32, length: f32, to_sun: Vec3) -> f32 {
         let rise = normal.dot(to_sun).max(LEAST_RISE);
         let slope = (to_sun - normal * normal.dot(to_sun)) / rise;
-        let side = self.side(normal);
-        let (height, length) = (height.clamp(0.0, 1.0), length.clamp(0.0, 1.0));
-        let step = (length - height).max(0.0) / LIGHT_STEPS as f32;
-        let length = length.max(LEAST_DIVISOR);
-        let mut met = 0.0;
-        for i in 0..LIGHT_STEPS {
-            let there = height + (i as f32 + 0.5) * step;
-            // Strands of four lengths stand for all.
-            let wide: f32 = (0..4)
-                .map(|k| there / (length * (1.0 - self.variation * (k as f32 + 0.5) / 4.0)))
-                .map(|along| if along <= 1.0 { 2.0 * self.radius_along(along) } else { 0.0 })
-                .sum();
-            met += 0.25 * wide * (slope - side * (2.0 * there)).length() * step * self.height;
-        }
+        // NaN has no length.
+        let (height, length) = (height.clamp(0.0, 1.0), length.max(0.0).clamp(0.0, 1.0));
+        // Strands of four lengths stand for all: how wide each is from here on, times how far it
+        // goes.
+        let shadows = (0..4)
+            .map(|k| length.max(LEAST_DIVISOR) * (1.0 - self.variation * (k as f32 + 0.5) / 4.0))
+            .map(|long| (long - height).max(0.0) * (2.0 - self.taper * (1.0 + height / long)));
+        let sideways = (slope - self.side(normal) * (height + length)).length() * self.height;
+        let met = 0.25 * shadows.sum::<f32>() * sideways * self.spacing * self.radius;
         (-met * self.strands_per_area() as f32).exp()
     }
 }

@@ -1,7 +1,10 @@
-// The strand that a ray meets first: strands are cones on skin that bends, found cell by cell below the ray.
+// The strand that a fragment's ray meets first, for studies: cones on skin that bends, found cell by cell below the ray.
 
 // Skin that turns farther than this, as the square of the sine, is not what the skin at the base says of it.
 const MOST_TURN: f32 = 0.3;
+// The most blocks of cells that a ray visits: eight cells, and one to seven more for each next block. Only rays along the
+// skin under tall fur with few layers take as many: 4 layers of 10% leave an error of 0.0732, as with 64 blocks.
+const STEPS: u32 = 24u;
 // Past the border of a cell, in cells: far more than rounding, far less than a strand.
 const PAST_BORDER: f32 = 0.01;
 
@@ -79,48 +82,22 @@ fn entered(look: Look, path: Path, way: vec3f, id: u32) -> Met {
     let tangent = strand_tangent(look, normal, h);
     let middle = met.root + extrusion(look, normal, h) / look.spacing - path.start;
     let length = path.long * share(look, id);
-    // From here on x is at the beginning of the ray, and y what a cell of its way adds.
-    let back = vec2f(-dot(middle, tangent), dot(path.ray, tangent));
-    let rise = dot(tangent, normal) * look.spacing / max(look.height * length, 1e-30);
-    let along = vec2f(h / length, 0.0) + back * rise;
-    let radius = look.radius * (vec2f(1.0, 0.0) - look.taper * along);
-    let away = -middle - tangent * back.x;
-    let going = path.ray - tangent * back.y;
-    // Inside of the cone a way² + 2 b way + c is below 0.
-    let a = dot(going, going) - radius.y * radius.y;
-    let b = dot(away, going) - radius.x * radius.y;
-    let c = dot(away, away) - radius.x * radius.x;
-    let square = b * b - a * c;
-    let q = -(b + select(-1.0, 1.0, b >= 0.0) * sqrt(max(square, 0.0)));
-    let sides = vec2f(min(q / a, c / q), max(q / a, c / q));
-    let ends = (vec2f(0.0, 1.0) - along.x) / along.y;
-    var first = max(0.0, min(ends.x, ends.y));
-    var last = min(path.far, max(ends.x, ends.y));
-    if a > 0.0 {
-        first = max(first, sides.x);
-        last = min(last, sides.y);
-    } else if radius.y > 0.0 {
-        // Steeper than the cone, towards the root...
-        first = max(first, sides.y);
-    } else {
-        // ...and towards the tip.
-        last = min(last, sides.x);
-    }
-    met.found = square >= 0.0 && first <= last;
-    met.way = first;
-    met.along = clamp(along.x + along.y * first, 0.0, 1.0);
+    let cone = into_cone(look, -middle, path.ray, tangent, dot(tangent, normal), h, length, path.far);
+    met.found = cone.found;
+    met.way = cone.way;
+    met.along = cone.along;
     met.height = met.along * length;
     return met;
 }
 
-/// The strand that a ray meets first, in at most `look.steps` blocks of cells.
+/// The strand that a ray meets first, in at most `STEPS` blocks of cells.
 fn strand_along(look: Look, path: Path) -> Met {
     let place = path.skin.base / look.spacing;
     var best = Met(false, 0u, 1e30, 0.0, 0.0, vec3f(0.0), vec3f(0.0));
     var way = 0.0;
     var foot = vec3f(0.0);
     var before = vec3f(1e30);
-    for (var i = 0u; i < look.steps; i++) {
+    for (var i = 0u; i < STEPS; i++) {
         // All strands that reach the ray here have their points in these eight cells.
         let at = place + foot;
         let first = floor(at - 0.5);
@@ -129,11 +106,9 @@ fn strand_along(look: Look, path: Path) -> Met {
             if all(cell >= before) && all(cell <= before + 1.0) {
                 continue;
             }
-            let number = bitcast<vec3u>(vec3i(cell));
             for (var k = 0u; k < look.per_cell; k++) {
-                let word = hash(vec4u(number, look.seed * 4u + k));
-                let point = (cell - place) + vec3f(unit(word.x), unit(word.y), unit(word.z));
-                let met = entered(look, path, point, word.w);
+                let point = point_of(look, cell, k);
+                let met = entered(look, path, (cell - place) + point.place, point.id);
                 if met.found && met.way < best.way {
                     best = met;
                 }
@@ -151,4 +126,49 @@ fn strand_along(look: Look, path: Path) -> Met {
         foot = foot_of(path, way);
     }
     return best;
+}
+
+/// The strand that a ray meets between this shell and the next one: shells seen from the side do not come apart.
+fn strand_met(in: Shell, c: Change, skin: Skin, ray: vec3f) -> Seen {
+    let there = bent(in.bend);
+    let height = height_of(in.which) * in.coat.w;
+    let up = (skin.normal + bend_at(there, skin.normal) * (2.0 * height)) * look.height;
+    let across = cross(c.shell[0], c.shell[1]);
+    let det = dot(across, up);
+    let x = dot(cross(ray, c.shell[1]), up) / det;
+    let y = dot(cross(c.shell[0], ray), up) / det;
+    let side = c.base[0] * x + c.base[1] * y;
+    let turn = c.normal[0] * x + c.normal[1] * y;
+    let rise = dot(across, ray) / det;
+    if rise > 0.0 && in.which.y >= in.which.z {
+        // Nothing is above the highest shell.
+        return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0), skin.normal);
+    }
+    // The skin bends away from the ray, so that the height is a parabola. Beyond the triangle it goes by the normal and
+    // not by the triangle.
+    let bulge = dot(ray, turn) / look.height;
+    let climb = dot(ray, skin.normal) / look.height;
+    let far = through_slab(select(rise, climb, climb * rise >= 0.0), bulge, in.coat.w / f32(max(in.which.z, 1u)));
+    // In cells from here on.
+    let cell = look.spacing;
+    let speed = length(side);
+    let curve = dot(side, turn) / max(speed, LEAST_SPEED);
+    let narrowing = curve / max(speed, LEAST_SPEED) * look.height;
+    var path: Path;
+    path.skin = skin;
+    path.skin.slope = skin.slope * cell;
+    path.corner = (in.corner - in.base) / cell;
+    // Between vertices a shell is as much lower as the mean of their normals is shorter.
+    path.start = extrusion(there, skin.normal, height * length(in.normal)) / cell;
+    path.ray = ray;
+    path.far = far / cell;
+    path.side = side;
+    path.curve = curve * cell;
+    path.slowing = narrowing * rise / (1.0 + narrowing * height) * cell;
+    path.height = height;
+    path.rise = rise * cell;
+    path.bulge = bulge * cell * cell;
+    path.long = in.coat.w;
+    let met = strand_along(there, path);
+    return Seen(met.found, f32(met.id) / 255.0, met.along, met.height, met.root * cell, met.normal);
 }
