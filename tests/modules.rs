@@ -12,7 +12,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, ItemMod, ItemUse, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 19] = [
+const ROOTS: [&str; 20] = [
     "src",
     "crates/scenes/src",
     "crates/truth/src",
@@ -39,7 +39,7 @@ const ROOTS: [&str; 19] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 29] = [
+const MOST: [(&str, usize); 31] = [
     ("src", 41600),
     ("tests", 11000),
     ("crates/cache", 400),
