@@ -1,4 +1,4 @@
-//! A level lit by its lightmap beside a path tracer: `picture LEVEL SAMPLES PNG [X,Y,Z X,Y,Z]`, where the
+//! A level lit by its lightmap beside a path tracer: `lit LEVEL SAMPLES PNG [X,Y,Z X,Y,Z]`, where the
 //! points are the eye and what it looks at.
 
 use std::error::Error;
