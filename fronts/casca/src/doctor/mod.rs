@@ -97,7 +97,8 @@ fn advised(why: ImportError) -> Failed {
 
 /// The error, with the object that the library refuses.
 fn refused(world: &World, why: casca::Error) -> Failed {
-    let is_refused = |object: &&Object| Driver::with(from_ref(object), 1.0, None, |_, desc| desc, |_| ()).is_err();
+    let is_refused =
+        |object: &&Object| Driver::with(from_ref(object), 1.0, None, |_, desc| desc, |_| ()).is_err();
     match world.objects.iter().find(is_refused) {
         Some(object) => format!("casca refuses the object {:?}: {why}", object.name).into(),
         None => why.into(),
