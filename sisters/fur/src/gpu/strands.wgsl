@@ -102,9 +102,9 @@ fn sway(look: Look, base: vec3f, height: f32) -> Sway {
     let at = base * (6.2831853 / tuft);
     let wave = sin(at + 2.0 * sin(0.61 * at.yzx));
     let angle = TURNS * height + 2.0 * wave.x + vec3f(0.0, 2.0943951, 4.1887902);
-    let unit = tuft / look.height;
-    let clump = wave * (look.clump * CLUMPED * unit);
-    let curl = look.curl * CURLED * unit;
+    let tufts = tuft / max(look.height, 1e-30);
+    let clump = wave * (look.clump * CLUMPED * tufts);
+    let curl = look.curl * CURLED * tufts;
     return Sway(
         (clump + curl * cos(angle)) * (height * height),
         clump + curl * (cos(angle) - (0.5 * TURNS * height) * sin(angle)),
