@@ -79,9 +79,11 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
         return nothing;
     }
     // Strands thinner than a pixel cannot be told apart: what shows is their share of the skin.
-    if width > look.fine {
+    // A comparison with the uniform itself ends the software adapter of Mesa 22.3 in passes without colours.
+    let thin = width / look.fine - 1.0;
+    if thin > 0.0 {
         let word = dither(in.base, width, in.which.y);
-        if unit(word.x) < width / look.fine - 1.0 {
+        if unit(word.x) < thin {
             return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0), normal);
         }
     }
