@@ -124,7 +124,6 @@ fn city(size: usize, scene: &Scene, culls: Culls) -> (App, Vec<f64>) {
     );
     light(app.world_mut(), scene);
     let cube = app.world_mut().resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
-    // One house to twenty things that stand around or walk.
     let boxes = layout::boxes(size).filter(|(part, ..)| scene.houses || *part != Part::House);
     let boxes: Vec<_> = boxes.collect();
     let (mut coming, mut times, start) = (boxes.chunks(1000), Vec::new(), Instant::now());

@@ -1,10 +1,10 @@
-//! Renders scenes by Bevy with and without `bevy_casca`, and compares the pictures in every pixel.
+//! Renders scenes by Bevy with and without `bevy_casca`, and compares the pictures in every pixel, and their times.
 //!
-//! `cargo run --bin pixels -- --frames 20`, with Rust 1.97.1 or newer. Any graphics adapter will do, also one in
-//! software. Both apps draw the same frames. What differs is written as two PNG files.
+//! `cargo run --bin pixels -- --frames 20`, with Rust 1.97.1 or newer and any graphics adapter, also one in software.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
 use bevy_casca::{CascaScene, CascaSettings};
 use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH, save};
@@ -47,9 +47,13 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
     let settings = Some(CascaSettings::default());
     let (mut casca, mut bevy) = (Rendered::new(scene, settings)?, Rendered::new(scene, None)?);
     let (mut pictures, mut pixels) = (0, 0);
-    let mut drawn = [0; 2];
+    let (mut drawn, mut took) = ([0; 2], [Duration::ZERO; 2]);
     for frame in 0..frames {
-        let (with, without) = (casca.picture(scene, frame)?, bevy.picture(scene, frame)?);
+        let start = Instant::now();
+        let with = casca.picture(scene, frame)?;
+        let middle = Instant::now();
+        let without = bevy.picture(scene, frame)?;
+        took = [took[0] + (middle - start), took[1] + middle.elapsed()];
         let differ = with.chunks(4).zip(without.chunks(4)).filter(|(a, b)| a != b).count();
         pictures += u32::from(differ > 0);
         pixels += differ;
@@ -61,9 +65,10 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
     }
     println!(
         "{of_scene}: {pictures} of {frames} pictures differ, in {pixels} pixels; \
-         drawn {} of {}; {} meshes hide",
+         drawn {} of {}, in {:.2} of the time; {} meshes hide",
         drawn[0] / frames.max(1) as usize,
         drawn[1] / frames.max(1) as usize,
+        took[0].as_secs_f64() / took[1].as_secs_f64(),
         casca.casca().map_or(0, CascaScene::occluders)
     );
     Ok(pictures)
