@@ -5,7 +5,9 @@ import type { Camera, Scene, WebGLRenderer } from "three";
  *
  * Call `init()` of `casca` first, then `culler.render(scene, camera)` in the place of `renderer.render(scene, camera)`. Meshes that
  * come, move, change or go are found in each frame. What hides is opaque, drawn, and no skinned, instanced or morphed mesh; what has
- * a shader of its own, no depth test or `frustumCulled = false` is never hidden.
+ * a shader of its own, no depth test or `frustumCulled = false` is never hidden. Nothing is hidden in a frame in which something visible
+ * has its own `onBeforeRender` or `onAfterRender`, nor into a target without depth. Places are rounded to single precision: keep
+ * scenes within some 10,000 units of the origin.
  */
 export class CascaCuller {
   /**

@@ -1,5 +1,5 @@
 // Draws a scene of three.js without the meshes that others hide.
-import { BackSide, Box3, DoubleSide, LessDepth, LessEqualDepth, Material, Matrix4, NoBlending, NormalBlending, Object3D, Vector3, WebGPUCoordinateSystem } from "three";
+import { BackSide, BatchedMesh, Box3, DoubleSide, LessDepth, LessEqualDepth, Material, Matrix4, NoBlending, NormalBlending, Object3D, Vector3, WebGPUCoordinateSystem } from "three";
 import { KeptQuery, Mesh, Scene, View } from "./casca.js";
 
 // What a mesh may do: nothing of ours, be hidden, hide what is behind its fronts, hide from both sides.
@@ -9,6 +9,10 @@ const [ALONE, HIDDEN, FRONT, BOTH] = [0, 1, 2, 3];
 const CELLS = 256;
 
 const own = (object, name, kind) => object[name] !== kind.prototype[name];
+
+// What runs while the scene is drawn may clear depths, so that what is behind shows. Batches only sort.
+const runs = (object) =>
+  own(object, "onAfterRender", Object3D) || own(object, "onBeforeRender", object.isBatchedMesh ? BatchedMesh : Object3D);
 
 function kindOfMaterial(m) {
   // Vertices that move, and what is drawn, or counts in the stencil, in spite of what is before it.
@@ -32,7 +36,7 @@ function kindOf(mesh) {
   const drawn = Array.isArray(material) ? geometry.groups.reduce((sum, group) => sum + group.count, 0) : count;
   const whole = geometry.drawRange.start === 0 && geometry.drawRange.count >= count && drawn >= count;
   const mirrored = mesh.matrixWorld.determinant() <= 0;
-  if (!whole || own(mesh, "onBeforeRender", Object3D) || (kind === FRONT && mirrored)) kind = Math.min(kind, HIDDEN);
+  if (!whole || (kind === FRONT && mirrored)) kind = Math.min(kind, HIDDEN);
   return kind;
 }
 
@@ -107,11 +111,13 @@ export class CascaCuller {
 
   #hide(scene, camera) {
     this.hidden = 0;
-    const { clippingPlanes, xr } = this.renderer;
+    const { renderer } = this;
     const plain = (camera.isPerspectiveCamera || camera.isOrthographicCamera) && !camera.isArrayCamera;
-    if (!plain || clippingPlanes.length || xr?.isPresenting || scene.overrideMaterial || own(scene, "onBeforeRender", Object3D)) return;
-    this.#follow(scene, camera);
-    if (!this.#scene) return;
+    if (!plain || renderer.clippingPlanes.length || renderer.xr?.isPresenting || scene.overrideMaterial) return;
+    // Without depths, what is behind may be drawn last.
+    const target = renderer.getRenderTarget();
+    if (target ? !target.depthBuffer : !renderer.getContextAttributes().depth) return;
+    if (!this.#follow(scene, camera) || !this.#scene) return;
     const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     const zeroToOne = camera.coordinateSystem === WebGPUCoordinateSystem || camera.reversedDepth === true;
     const eye = new Vector3().setFromMatrixPosition(camera.matrixWorld).toArray();
@@ -133,12 +139,14 @@ export class CascaCuller {
     this.hidden = this.#masks.length;
   }
 
-  // Brings casca's scene up to date: what came, moved, changed or went.
+  // Brings casca's scene up to date: what came, moved, changed or went. Returns whether hidden meshes stay hidden.
   #follow(scene, camera) {
     this.#frame++;
+    let quiet = true;
     const meshes = [];
     const visit = (object) => {
       if (!object.visible) return;
+      quiet &&= !runs(object);
       if (object.isLOD && object.autoUpdate && object.layers.test(camera.layers)) object.update(camera);
       if (object.isMesh) meshes.push(object);
       object.children.forEach(visit);
@@ -152,6 +160,7 @@ export class CascaCuller {
     this.#scene?.beginFrame(this.#frame / 60);
     meshes.forEach((mesh) => this.#meet(mesh));
     for (const [mesh, { frame }] of this.#known) if (frame !== this.#frame) this.#forget(mesh);
+    return quiet;
   }
 
   #meet(mesh) {

@@ -20,6 +20,10 @@ class Renderer {
   isWebGLRenderer = true;
   clippingPlanes = [];
   xr = { isPresenting: false };
+  target = null;
+  depth = true;
+  getRenderTarget = () => this.target;
+  getContextAttributes = () => ({ depth: this.depth });
   shadowMap = { render: (scene) => scene.traverse((o) => o.isMesh && this.casters.add(o.layers.mask)) };
 
   render(scene, camera) {
@@ -155,9 +159,29 @@ test("what cannot be judged is drawn as without it", () => {
   renderer.clippingPlanes.push(new THREE.Plane());
   assert.equal(count(camera), 0);
   renderer.clippingPlanes.pop();
-  scene.onBeforeRender = () => {};
+  for (const name of ["onBeforeRender", "onAfterRender"]) {
+    const line = new THREE.Line();
+    for (const object of [scene, line]) {
+      scene.add(line);
+      object[name] = () => {};
+      assert.equal(count(camera), 0, name);
+      delete object[name];
+      scene.remove(line);
+      assert(count(camera) > 0);
+    }
+  }
+  for (const depthBuffer of [true, false]) {
+    renderer.target = { depthBuffer };
+    assert.equal(count(camera) > 0, depthBuffer);
+  }
+  renderer.target = null;
+  renderer.depth = false;
   assert.equal(count(camera), 0);
-  delete scene.onBeforeRender;
+  renderer.depth = true;
+  const batch = new THREE.BatchedMesh(1, 3);
+  scene.add(batch);
+  assert(count(camera) > 0);
+  scene.remove(batch);
   const broken = camera.clone();
   broken.projectionMatrix.elements.fill(NaN);
   assert.equal(count(broken), 0);
