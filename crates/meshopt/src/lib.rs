@@ -35,7 +35,7 @@ fn take<'a>(bytes: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
     Some(taken)
 }
 
-/// The version in the first byte, whose upper half says what is packed.
+/// Takes the first byte. Its upper half says what kind of data follows, its lower half is the version.
 fn version(packed: &mut &[u8], kind: u8) -> Option<u8> {
     let header = take(packed, 1)?[0];
     (header & 0xf0 == kind && header & 0x0f <= 1).then_some(header & 0x0f)

@@ -14,9 +14,9 @@ pub struct CascaSettings {
     /// A camera keeps what it finds for the way that it goes in the next frames: [`casca::KeptQuery`].
     /// Default: [`PointOptions::balanced`], [coherent](PointOptions::coherent).
     pub options: PointOptions,
-    /// A camera is culled by frustum only for some time (half a second to 17 seconds, at 60 frames a second)
-    /// when its query left out a smaller share of what is in its frustum than this: then the query costs
-    /// more than to draw the rest. 0 for what is dear to draw: no camera rests. Default: 2/3.
+    /// The share of the entities in its frustum that the query of a camera has to leave out. If it leaves
+    /// out less, the query costs more than it saves, and the camera is culled by frustum only for 32 to
+    /// 1,024 frames. Set 0 where entities are dear to draw: then no camera rests. Default: 2/3.
     pub least_hidden: f32,
     /// Which shadow casters are left out. Default: [`Shadows::Lit`].
     pub shadows: Shadows,

@@ -14,6 +14,8 @@ use casca_truth::oracle::Frustum;
 use glam::Vec3;
 
 const SIZE: (usize, usize) = (480, 360);
+/// The near plane over the far one: nearer than anything that one looks at.
+const NEAR: f32 = 1e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -24,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let [eye, to, ..] = &words[3..] {
         let [eye, to] = [point(eye)?.as_vec3(), point(to)?.as_vec3()];
         let far = 4.0 * (far - eye).length();
-        level.scene.camera = Camera::look_at(eye, to, 60.0, 4.0 / 3.0, 1e-3 * far, far);
+        level.scene.camera = Camera::look_at(eye, to, 60.0, 4.0 / 3.0, NEAR * far, far);
     }
     let settings = Settings { texels: 16.0, cells: 128, ..Settings::default() };
     let found = light(&level.scene, &level.placed, &settings, &mut |_, _, _| {})?;

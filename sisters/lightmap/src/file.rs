@@ -5,6 +5,7 @@ use std::path::Path;
 
 use casca_lit::read_lit;
 use casca_radiosity::lit::LitScene;
+use casca_scenes::export::container;
 use casca_scenes::import::Trouble;
 use casca_scenes::import::parts::{Components, File, Known, Meshes, Warnings, beside, contents, parse};
 use casca_scenes::world::{Motion, Shape};
@@ -228,6 +229,12 @@ impl Writer {
             // Packed bytes lie elsewhere.
             text.as_object_mut().map(|view| view.remove("extensions"));
         }
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            if let Some(Value::Array(names)) = self.root.get_mut(list) {
+                names
+                    .retain(|name| !name.as_str().is_some_and(|name| name.ends_with("_meshopt_compression")));
+            }
+        }
         let mut known = Known::new();
         for image in file.document.images() {
             let gltf::image::Source::Uri { uri, .. } = image.source() else { continue };
@@ -337,20 +344,8 @@ impl Writer {
     }
 
     fn finish(mut self) -> Result<Vec<u8>, BakeError> {
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         self.root["buffers"] = json!([{"byteLength": self.bytes.len()}]);
-        let mut text = self.root.to_string().into_bytes();
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let length =
-            u32::try_from(12 + 8 + text.len() + 8 + self.bytes.len()).map_err(|_| BakeError::TooLarge)?;
-        let mut file = b"glTF".to_vec();
-        file.extend([2, length].into_iter().flat_map(u32::to_le_bytes));
-        for (kind, chunk) in [(b"JSON", text), (b"BIN\0", self.bytes)] {
-            file.extend((chunk.len() as u32).to_le_bytes());
-            file.extend(kind);
-            file.extend(chunk);
-        }
-        Ok(file)
+        container(self.root, self.bytes).ok_or(BakeError::TooLarge)
     }
 }
 

@@ -52,12 +52,17 @@ impl Default for Settings {
     }
 }
 
+/// The least and the greatest of each setting. What lies beyond makes a room one texel, or takes any memory.
+const TEXELS: (f32, f32) = (0.01, 1000.0);
+const SIDES: (f32, f32) = (64.0, 8192.0);
+const SPACINGS: (f32, f32) = (1e-3, 1e6);
+
 impl Settings {
     fn check(&self) -> Result<(), BakeError> {
-        for (what, value, least, most) in [
-            ("texels a metre", self.texels, 0.01, 1000.0),
-            ("texels of the longest side", self.side as f32, 64.0, 8192.0),
-            ("metres between probes", self.spacing, 1e-3, 1e6),
+        for (what, value, (least, most)) in [
+            ("texels a metre", self.texels, TEXELS),
+            ("texels of the longest side", self.side as f32, SIDES),
+            ("metres between probes", self.spacing, SPACINGS),
         ] {
             // Not so for what is no number.
             if !(least..=most).contains(&value) {

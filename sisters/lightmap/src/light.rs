@@ -90,9 +90,7 @@ pub fn light(
     // Engines light what moves themselves.
     cache.set_lights(&[])?;
     let open = answers(&cache, &cubes, ("lighting probes", progress))?;
-    for (cube, six) in probes.cubes.iter_mut().zip(open.as_chunks().0) {
-        *cube = *six;
-    }
+    probes.cubes.copy_from_slice(open.as_chunks().0);
     let backs = Backs::new(&scene.triangles());
     probes.fill(&backs);
 
@@ -125,8 +123,7 @@ pub fn light(
         pages[*to as usize] = pages[*from as usize];
     }
     let pages = pages.into_iter().map(Option::unwrap_or_default).collect();
-    let statistics = cache.statistics();
-    Ok(Light { atlas, texels: pages, lit: found.len(), probes, statistics })
+    Ok(Light { atlas, texels: pages, lit: found.len(), probes, statistics: cache.statistics() })
 }
 
 /// What matt white surfaces scatter at points with normals, in order.

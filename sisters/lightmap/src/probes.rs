@@ -108,7 +108,7 @@ mod tests {
                 assert_eq!(texel, Vec3::new(i as f32, face as f32, 0.0));
             }
         }
-        for spacing in [1e-3, 0.01, f32::MIN_POSITIVE] {
+        for spacing in [crate::SPACINGS.0, 0.01, f32::MIN_POSITIVE] {
             let why = Probes::new((Vec3::ZERO, Vec3::splat(20.0)), spacing).unwrap_err();
             let BakeError::Probes(_, fit) = why else { panic!("{why}") };
             assert!(Probes::new((Vec3::ZERO, Vec3::splat(20.0)), fit).is_ok() || spacing < 1e-9, "{fit}");

@@ -6,7 +6,7 @@ use casca_plane::BitGrid;
 use glam::I64Vec2;
 
 use crate::tmx::plain;
-use crate::{MapError, Role, SMALL, TmxImport, file, utf8};
+use crate::{MapError, Role, SMALL, TmxImport, TmxMap, file, utf8};
 
 /// The drawing of a harbour, 72 by 36 tiles, with a customs house, a tower, warehouses and
 /// containers.
@@ -69,7 +69,7 @@ impl Drawing {
         let bytes = file(path).map_err(|why| MapError::File { file: name.clone(), why })?;
         let text = utf8(&bytes, name)?;
         if text.trim_start().starts_with('<') {
-            return Self::tiled(path);
+            return Ok(Self::tiled(TmxImport::default().parse_at(path, &bytes)?));
         }
         let refused = |why: &str| Err(MapError::damaged(name, 1, why));
         let shown = || text.chars().filter(|c| !c.is_whitespace());
@@ -98,8 +98,7 @@ impl Drawing {
         Ok(drawing)
     }
 
-    fn tiled(path: &Path) -> Result<Self, MapError> {
-        let map = TmxImport::default().read(path)?;
+    fn tiled(map: TmxMap) -> Self {
         let mut drawing = Self { walls: map.walls, warnings: map.warnings, ..Self::default() };
         let others = map.objects.iter().filter(|object| object.role == Role::Wall).count();
         if others > 0 {
@@ -125,6 +124,6 @@ impl Drawing {
                 drawing.start = Some((x, y));
             }
         }
-        Ok(drawing)
+        drawing
     }
 }

@@ -257,9 +257,8 @@ impl Writer {
         let view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
         self.bytes.extend(bytes);
         let view = push(&mut self.views, view);
-        let accessor = json!({
-            "bufferView": view, "componentType": component, "type": kind, "count": count,
-        });
+        let accessor =
+            json!({ "bufferView": view, "componentType": component, "type": kind, "count": count });
         push(&mut self.accessors, accessor)
     }
 
@@ -270,7 +269,7 @@ impl Writer {
             let node = json!({ "translation": origin.as_vec3().to_array(), "children": roots });
             roots = vec![push(&mut self.nodes, node)];
         }
-        let mut document = json!({
+        let document = json!({
             "asset": { "version": "2.0" },
             "scene": 0,
             "scenes": [{ "name": name, "nodes": roots }],
@@ -283,16 +282,18 @@ impl Writer {
             "bufferViews": self.views,
             "buffers": [{ "byteLength": self.bytes.len() }],
         });
-        // Lists in glTF are not empty.
-        if let Some(members) = document.as_object_mut() {
-            members.retain(|_, list| list.as_array().is_none_or(|list| !list.is_empty()));
-        }
-        // The length is found as the file is written.
-        let header = Header { magic: *b"glTF", version: 2, length: 0 };
-        let json = document.to_string().into_bytes().into();
-        let file = Glb { header, json, bin: Some(self.bytes.into()) };
-        let bytes = file.to_vec().map_err(|_| ExportError::TooLarge)?;
-        u32::try_from(bytes.len()).map_err(|_| ExportError::TooLarge)?;
-        Ok(bytes)
+        container(document, self.bytes).ok_or(ExportError::TooLarge)
     }
+}
+
+/// A .glb file of a document and its buffer; `None` beyond 4 GB. Empty lists go: glTF has none.
+pub fn container(mut document: Value, bytes: Vec<u8>) -> Option<Vec<u8>> {
+    if let Some(members) = document.as_object_mut() {
+        members.retain(|_, list| list.as_array().is_none_or(|list| !list.is_empty()));
+    }
+    // The length is found as the file is written.
+    let header = Header { magic: *b"glTF", version: 2, length: 0 };
+    let json = document.to_string().into_bytes().into();
+    let file = Glb { header, json, bin: Some(bytes.into()) }.to_vec().ok()?;
+    u32::try_from(file.len()).is_ok().then_some(file)
 }

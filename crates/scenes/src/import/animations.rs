@@ -74,7 +74,7 @@ pub fn keys_of(buffers: &Buffers, channel: &gltf::animation::Channel) -> Result<
     })
 }
 
-/// Sets what is not yet set, and gives the time of its last key; 0 if it was set.
+/// Fills a place that is empty, and returns the time of the last key; returns 0 if the place was taken.
 fn put<T, U>(place: &mut Option<Track<U>>, track: Track<T>, exact: impl Fn(T) -> U) -> f32 {
     if place.is_some() {
         return 0.0;

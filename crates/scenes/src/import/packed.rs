@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::accessors::Buffers;
 use super::error::Trouble;
 
-/// The extension, and what it is called since it was ratified.
+/// The names of the extension: the old one, and the one since Khronos ratified it.
 pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 /// Bytes that views of any file may unpack to, and in addition for each byte of its buffers. Files
 /// of gltfpack take some six; only zeros take more than thirty.

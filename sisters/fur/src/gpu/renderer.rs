@@ -301,7 +301,7 @@ impl Renderer {
             pass.draw(0..36, 0..self.walls);
         }
         pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
-        // All skins first: they hide the shells of what is behind them.
+        // Skins are drawn first, since they hide the shells behind them.
         for (part, pipelines) in meshes.iter().enumerate() {
             for (mesh, runs) in &self.runs {
                 let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };

@@ -109,9 +109,14 @@ impl TmxImport {
     pub fn read(&self, path: impl AsRef<Path>) -> Result<TmxMap, MapError> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        let map = file(path).map_err(|why| MapError::File { file: name.clone(), why })?;
+        let map = file(path).map_err(|why| MapError::File { file: name, why })?;
+        self.parse_at(path, &map)
+    }
+
+    /// The bytes of the file at a path.
+    pub(crate) fn parse_at(&self, path: &Path, map: &[u8]) -> Result<TmxMap, MapError> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        self.parse_named(&name, &map, &mut |source| file(&folder.join(source)))
+        self.parse_named(&path.display().to_string(), map, &mut |source| file(&folder.join(source)))
     }
 
     /// As [`Self::read`], from the bytes of a map. `open` gives the bytes of a tileset in a file of

@@ -9,6 +9,9 @@ use super::case::{ASPECT, Case, Shot, block, box_mesh, glass, mesh, placed, quad
 use crate::experiments::LabError;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 
+/// The width of needles, in metres: far less than a pixel, far more than rounding.
+const NEEDLE: f32 = 1e-5;
+
 /// A mesh with other triangles between its vertices.
 fn of_triangles(shape: &Shape, change: impl Fn(&[[u32; 3]]) -> Vec<[u32; 3]>) -> Shape {
     let Shape::Mesh { mesh: old, .. } = shape else { return shape.clone() };
@@ -34,7 +37,7 @@ impl Arena<'_> {
         let both = [&lines[..], &[[least, least.with_x(HALF.x), most]]].concat();
         let needle = |_| {
             let (a, b) = (at(HALF), at(HALF));
-            [a, b, b + Vec3::new(1e-5, 1e-5, 0.0)]
+            [a, b, b + Vec3::new(NEEDLE, NEEDLE, 0.0)]
         };
         let needles: Vec<[Vec3; 3]> = (0..300).map(needle).collect();
         // Each column of quads meets one twice as tall: vertices lie on edges.

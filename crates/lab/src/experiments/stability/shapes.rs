@@ -7,6 +7,11 @@ use super::case::{Case, Known, block, box_mesh, glass, mesh, quad, solid, sphere
 use crate::experiments::LabError;
 use casca_scenes::world::{Object, Shape};
 
+/// The thickness of the thinnest wall that is a solid, in cells.
+const THIN: f32 = 1e-3;
+/// What a tile lacks on each side, as a share of half the wall: of 6 m, 0.1 mm between two tiles.
+const GAP: f32 = 8e-6;
+
 impl Arena<'_> {
     /// Walls from thick to no thickness at all.
     pub(super) fn thin(&self) -> Result<Vec<Case>, LabError> {
@@ -18,7 +23,7 @@ impl Arena<'_> {
             ("wall 4 cells thick", wall(4.0 * CELL)),
             ("wall 1/2 cell thick", wall(0.5 * CELL)),
             ("wall 1/10 cell thick", wall(0.1 * CELL)),
-            ("wall 1/1000 cell thick", wall(1e-3 * CELL)),
+            ("wall 1/1000 cell thick", wall(THIN * CELL)),
             ("wall a box without thickness", wall(0.0)),
             ("wall a mesh sheet", sheet(1, 1, |_, _| true)),
             ("wall 1 cell thick between planes", between),
@@ -50,8 +55,8 @@ impl Arena<'_> {
             ("wall of 96 boxes that touch", tiles(12, 8, 0.0, &boxes)),
             ("wall of 96 closed meshes that touch", tiles(12, 8, 0.0, &closed)),
             ("wall of 96 sheets that share edges", tiles(12, 8, 0.0, &flat)),
-            ("wall of 96 boxes 0.1 mm apart", tiles(12, 8, 8e-6, &boxes)),
-            ("wall of 96 sheets 0.1 mm apart", tiles(12, 8, 8e-6, &flat)),
+            ("wall of 96 boxes 0.1 mm apart", tiles(12, 8, GAP, &boxes)),
+            ("wall of 96 sheets 0.1 mm apart", tiles(12, 8, GAP, &flat)),
             ("wall of 96 boxes that overlap, coplanar", tiles(12, 8, -0.02, &boxes)),
             ("three equal walls", vec![solid("wall", wall(thick)); 3]),
         ] {
