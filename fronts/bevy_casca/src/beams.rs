@@ -4,7 +4,7 @@
 //! reach, and a query is run anew only after another change there.
 
 use bevy_ecs::entity::{Entity, EntityHashMap};
-use bevy_math::{Affine3A, Mat3A, Vec3A};
+use bevy_math::{Affine3A, IVec2, Mat3A, Vec3A};
 use bevy_platform::collections::HashMap;
 use bevy_tasks::ComputeTaskPool;
 use casca::{Method, PointOptions, Query, Scene, View};
@@ -66,8 +66,7 @@ pub(crate) struct Aim {
 /// The result of a query.
 #[derive(Debug)]
 pub(crate) struct Beam {
-    pub(crate) aim: Aim,
-    query: Query,
+    aim: Aim,
     /// The entities in the light that do not move.
     lit: Vec<Entity>,
     /// Whether that holds, and the last frame for which it did or was found not to.
@@ -78,13 +77,6 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    /// The entities that may cast shadows; `None` where that is not known.
-    pub(crate) fn casters(&self, movers: &EntityHashMap<Mover>) -> Option<impl Iterator<Item = Entity>> {
-        let near = movers.iter().filter(|(_, mover)| self.aim.reach.overlaps(&mover.around));
-        let near = near.map(|(entity, _)| *entity);
-        self.holds.then(|| self.lit.iter().copied().chain(near))
-    }
-
     /// Frames from one query to the next one: where much is lit, that takes long.
     fn pause(&self) -> u32 {
         (self.lit.len() / LIT_A_FRAME).min(LONGEST_PAUSE) as u32
@@ -102,50 +94,90 @@ pub(crate) struct Mover {
     pub(crate) at: Affine3A,
 }
 
-/// A light, and for suns the camera for which it shines.
-pub(crate) type Key = (Entity, Entity);
+/// A light; for suns the camera for which it shines, and the tile of its light.
+pub(crate) type Key = (Entity, Entity, IVec2);
 
-pub(crate) type Beams = HashMap<Key, Beam>;
-
-/// Brings the beams of some lights up to date, and forgets others.
-pub(crate) fn shine(
-    beams: &mut Beams,
-    (scene, changes, frame): (Option<&Scene>, &Changes, u32),
+/// The beams of some lights.
+#[derive(Debug, Default)]
+pub(crate) struct Beams {
+    beams: HashMap<Key, Beam>,
+    /// Memory of queries that ran.
+    queries: Vec<Query>,
     options: PointOptions,
-    aims: Vec<(Key, Aim)>,
-    moves: impl Fn(Entity) -> bool,
-) {
-    let mut old = std::mem::take(beams);
-    let Some(scene) = scene else { return };
-    // Results that are kept should be as small as they get.
-    let method = Method::Point(options.coherent(false));
-    let mut jobs: Vec<(Key, Beam)> = Vec::new();
-    for (key, aim) in aims {
-        let (mut query, mut lit) = (Query::new(), Vec::new());
-        if let Some(beam) = old.remove(&key) {
-            let held = beam.holds && beam.frame.wrapping_add(1) == frame && beam.query.method() == method;
+}
+
+impl Beams {
+    pub(crate) fn clear(&mut self) {
+        self.beams.clear();
+    }
+
+    /// Brings the beams up to date by no more than `most` queries, and forgets those that are not
+    /// wanted. Nearer ends of the list are asked first.
+    pub(crate) fn shine(
+        &mut self,
+        (scene, changes, frame): (Option<&Scene>, &Changes, u32),
+        options: PointOptions,
+        wanted: Vec<(Key, Aim)>,
+        most: usize,
+        moves: impl Fn(Entity) -> bool,
+    ) {
+        // Results that are kept should be as small as they get.
+        let options = options.coherent(false);
+        let mut old = std::mem::take(&mut self.beams);
+        if std::mem::replace(&mut self.options, options) != options {
+            old.clear();
+        }
+        let Some(scene) = scene else { return };
+        let mut jobs: Vec<(Key, Beam, Query)> = Vec::new();
+        for (key, aim) in wanted {
+            let old = old.remove(&key);
+            let is_known = old.is_some();
+            let none = || Beam { aim: aim.clone(), lit: Vec::new(), holds: false, frame, ran: frame };
+            let beam = old.unwrap_or_else(none);
+            let held = beam.holds && beam.frame.wrapping_add(1) == frame;
             let holds = held && beam.aim == aim && !changes.reach(&aim.reach);
-            if holds || changes.everywhere || frame.wrapping_sub(beam.ran) < beam.pause() {
-                beams.insert(key, Beam { aim, holds, frame, ..beam });
+            // While a level loads, no result would hold until the next frame; nor does one of a sun that turns.
+            let turned = beam.aim.reach.to_axes != aim.reach.to_axes;
+            let waits = is_known && frame.wrapping_sub(beam.ran) < beam.pause();
+            if holds || changes.everywhere || turned || waits || jobs.len() >= most {
+                self.beams.insert(key, Beam { aim, holds, frame, ..beam });
                 continue;
             }
-            (query, lit) = (beam.query, beam.lit);
-        } else if changes.everywhere {
-            // While a level loads, no result would hold until the next frame.
-            continue;
+            let mut query = self.queries.pop().unwrap_or_default();
+            if query.set_method(Method::Point(options)).is_ok() {
+                jobs.push((key, Beam { aim, holds: true, frame, ran: frame, ..beam }, query));
+            }
         }
-        if query.method() == method || query.set_method(method).is_ok() {
-            lit.clear();
-            jobs.push((key, Beam { aim, query, lit, holds: true, frame, ran: frame }));
+        each(&mut jobs, &|(_, beam, query)| _ = query.run(scene, &beam.aim.view));
+        for (key, mut beam, query) in jobs {
+            let found = query.pvs().visible().iter();
+            let found = found.filter_map(|&id| Entity::try_from_bits(scene.user_data(id).ok()?));
+            beam.lit.clear();
+            beam.lit.extend(found.filter(|&entity| !moves(entity)));
+            self.beams.insert(key, beam);
+            self.queries.push(query);
         }
     }
-    each(&mut jobs, &|(_, beam)| _ = beam.query.run(scene, &beam.aim.view));
-    for (_, beam) in &mut jobs {
-        let found = beam.query.pvs().visible().iter();
-        let found = found.filter_map(|&id| Entity::try_from_bits(scene.user_data(id).ok()?));
-        beam.lit.extend(found.filter(|&entity| !moves(entity)));
+
+    /// The entities in the light of some beams that may cast shadows, with those in reach that move;
+    /// `None` where that is not known.
+    pub(crate) fn casters(
+        &self,
+        keys: &[Key],
+        reach: &Reach,
+        movers: &EntityHashMap<Mover>,
+    ) -> Option<Vec<Entity>> {
+        let mut out = Vec::new();
+        for key in keys {
+            out.extend(&self.beams.get(key).filter(|beam| beam.holds)?.lit);
+        }
+        // What lies in two tiles is in two lists.
+        out.sort_unstable();
+        out.dedup();
+        let near = movers.iter().filter(|(_, mover)| reach.overlaps(&mover.around));
+        out.extend(near.map(|(entity, _)| *entity));
+        Some(out)
     }
-    beams.extend(jobs);
 }
 
 /// Does something to each, by Bevy's compute tasks if there are several.

@@ -10,7 +10,7 @@ use bevy_camera::visibility::{
 use bevy_camera::{Camera, Projection};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
-use bevy_light::cluster::ClusterVisibilityClass;
+use bevy_light::cluster::{ClusterVisibilityClass, Clusters};
 use bevy_math::{Mat4, Vec3};
 use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
@@ -102,6 +102,7 @@ pub(crate) struct Cameras {
     camera: &'static Camera,
     projection: Option<&'static Projection>,
     transform: Option<&'static GlobalTransform>,
+    clusters: Option<&'static mut Clusters>,
     no_cpu_culling: Has<NoCpuCulling>,
     no_occlusion: Has<NoOcclusionCulling>,
 }
@@ -187,7 +188,16 @@ pub(crate) fn check_cameras(
             },
         );
         let shines = |lamp: &Entity| unmanaged.get_mut(*lamp).is_ok_and(|item| item.is_seen(&viewer));
+        let first = in_view.len();
         in_view.extend(later.keys().copied().filter(shines).map(|lamp| (lamp, camera.entity)));
+        // Bevy lists lights as far away as those were that shone in an earlier frame, and loses others.
+        if let (Some(clusters), Some(at)) = (&mut camera.clusters, camera.transform) {
+            let depths = in_view[first..].iter().filter_map(|(lamp, _)| Some(later.get(lamp)?.depth(at)));
+            let far = depths.fold(f32::NEG_INFINITY, f32::max);
+            if clusters.last_frame_farthest_z.is_some_and(|known| known < far) {
+                clusters.last_frame_farthest_z = Some(far);
+            }
+        }
         match (casca.camera(camera.entity).map(KeptQuery::pvs), &casca.scene) {
             (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();

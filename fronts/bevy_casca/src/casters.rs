@@ -42,7 +42,7 @@ impl Casters<'_, '_> {
         &mut self,
         shine: &Shine,
         frusta: &[Frustum],
-        managed: Option<impl Iterator<Item = Entity>>,
+        managed: Option<Vec<Entity>>,
     ) -> Vec<Vec<Entity>> {
         let ranges = self.ranges.as_deref();
         let note = |lists: &mut [Vec<Entity>], mut item: CandidateItem| {

@@ -149,6 +149,12 @@ impl Glow {
         !(beside || apart.length_squared() > self.range * self.range)
     }
 
+    /// How far it shines along the view of a camera.
+    pub(crate) fn depth(&self, camera: &GlobalTransform) -> f32 {
+        let from_camera = camera.affine().inverse().transform_point3a(self.middle);
+        self.range / camera.scale().z.abs() - from_camera.z
+    }
+
     fn may_be_seen(&self, sight: &Sight) -> bool {
         let (min, max) = (border::vec3(self.min.into()), border::vec3(self.max.into()));
         sight.may_see_box(&casca::Aabb::new(min, max))

@@ -9,7 +9,7 @@ use bevy_camera::visibility::{
     VisibleMeshEntities,
 };
 use bevy_camera::{Camera, RenderTarget, ShadowLodOrigin};
-use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_light::cascade::Cascade;
@@ -18,12 +18,13 @@ use bevy_light::{
     Cascades, DirectionalLight, PointLight, SpotLight, get_shadow_lod_origin, spot_light_clip_from_view,
     spot_light_world_from_view,
 };
-use bevy_math::{Mat3A, Mat4, Vec3, Vec3A};
+use bevy_math::{IVec2, Mat3A, Mat4, Vec2, Vec3, Vec3A};
+use bevy_platform::collections::HashMap;
 use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
 use casca::View;
 
-use crate::beams::{Aim, Reach, shine};
+use crate::beams::{Aim, Reach};
 use crate::border::{self, SLACK};
 use crate::casters::{Casters, Shine};
 use crate::layers;
@@ -51,8 +52,7 @@ pub(crate) fn check_suns(
 ) {
     let start = Instant::now();
     let casca = &mut *casca;
-    let mut beams = std::mem::take(&mut casca.suns);
-    let mut aims = Vec::new();
+    let mut shafts = HashMap::<(Entity, Entity), Shaft>::default();
     for (entity, light, frusta, cascades, _, layers, seen, opt_out) in &suns {
         if opt_out || !light.shadow_maps_enabled || !seen.get() {
             continue;
@@ -61,15 +61,22 @@ pub(crate) fn check_suns(
             // A cascade that does not belong to the frustum says nothing about it.
             let alike = frusta.frusta.get(&camera).is_some_and(|frusta| frusta.len() == cascades.len());
             let Ok(eye) = eyes.get(camera) else { continue };
-            let key = (entity, camera);
-            let old = beams.get(&key).map(|beam| &beam.aim);
-            let wanted = Shaft::around(cascades, eye.translation(), casca.farthest).filter(|_| alike);
-            let aim = wanted.and_then(|shaft| shaft.aim(layers::of_light(layers), old));
-            aims.extend(aim.map(|aim| (key, aim)));
+            let layers = layers::of_light(layers);
+            let shaft = Shaft::around(cascades, eye.translation(), casca.farthest, layers);
+            shafts.extend(shaft.filter(|_| alike).map(|shaft| ((entity, camera), shaft)));
         }
     }
+    // First what the cascades hold now.
+    let mut wanted = Vec::new();
+    for now in [true, false] {
+        let tiles = shafts.iter().flat_map(|(key, shaft)| shaft.tiles().map(move |tile| (*key, shaft, tile)));
+        let tiles = tiles.filter(|(_, shaft, tile)| shaft.holds(*tile) == now);
+        wanted.extend(
+            tiles.filter_map(|((sun, camera), shaft, tile)| Some(((sun, camera, tile), shaft.aim(tile)?))),
+        );
+    }
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
-    shine(&mut beams, now, settings.options, aims, |entity| casters.moves(entity));
+    casca.suns.shine(now, settings.options, wanted, TILES_A_FRAME, |entity| casters.moves(entity));
     for (entity, light, frusta, _, mut visible, layers, seen, _) in &mut suns {
         // If shadow maps are disabled, there must be no entities.
         if !light.shadow_maps_enabled || !seen.get() {
@@ -81,7 +88,11 @@ pub(crate) fn check_suns(
             let layers = layers.unwrap_or_default();
             // What lies before the near plane casts a shadow, too.
             let shine = Shine { layers, origin: Some(camera), sphere: None, near: false };
-            let lit = beams.get(&(entity, camera)).and_then(|beam| beam.casters(&casca.movers));
+            let lit = shafts.get(&(entity, camera)).and_then(|shaft| {
+                let now = shaft.tiles().filter(|tile| shaft.holds(*tile));
+                let now: Vec<_> = now.map(|tile| (entity, camera, tile)).collect();
+                casca.suns.casters(&now, &shaft.reach, &casca.movers)
+            });
             let lists = casters.lists(&shine, frusta, lit);
             let out = visible.entities.entry(camera).or_default();
             out.resize_with(frusta.len(), VisibleMeshEntities::default);
@@ -91,32 +102,40 @@ pub(crate) fn check_suns(
             }
         }
     }
-    casca.suns = beams;
     casca.counts.time += start.elapsed();
 }
 
-/// A shaft of a sun's light is wider than needed by this: the camera moves on.
+/// Tiles of a sun's light that are asked in a frame.
+const TILES_A_FRAME: usize = 2;
+
+/// The edge of a tile, at least, over half of the largest cascade, which is the same wherever the camera
+/// looks, and over how far all reach from the eye. Smaller ones take longer together.
+const TILE: (f32, f32) = (1.0, 0.3);
+
+/// A shaft of a sun's light is wider than the cascades by this: the camera moves on.
 const ROOM: f32 = 1.25;
 
-/// All that the cascades of a sun may hold, whichever way the camera turns.
+/// Beyond this many tiles from the origin, rounding is more than a tile's slack.
+const FARTHEST_TILE: f32 = 1000.0;
+
+/// All that the cascades of a sun may hold, whichever way the camera turns, in tiles of the plane across
+/// the light. They stay where they are, so that no frame has to ask for all of it.
 struct Shaft {
-    /// Across the light, and towards it.
-    to_axes: Mat3A,
-    middle: Vec3A,
-    half: f32,
-    /// How far along the light entities may be.
-    farthest: f32,
     /// What the cascades hold now.
-    min: Vec3A,
-    max: Vec3A,
+    reach: Reach,
+    edge: f32,
+    depth: f32,
+    min: IVec2,
+    max: IVec2,
+    layers: u64,
 }
 
 impl Shaft {
-    /// `None` if the cascades look into different directions.
-    fn around(cascades: &[Cascade], eye: Vec3, farthest: f32) -> Option<Self> {
+    /// `None` if the cascades look into different directions, or on no layer that is known.
+    fn around(cascades: &[Cascade], eye: Vec3, farthest: f32, layers: u64) -> Option<Self> {
         let from_axes = Mat3A::from_mat4(cascades.first()?.world_from_cascade);
         let to_axes = from_axes.transpose();
-        let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        let (mut min, mut max, mut largest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, 0.0_f32);
         for cascade in cascades {
             if Mat3A::from_mat4(cascade.world_from_cascade) != from_axes {
                 return None;
@@ -126,28 +145,44 @@ impl Shaft {
             let half = Vec3A::new(clip.x_axis.x, clip.y_axis.y, clip.z_axis.z).recip().abs() * SLACK;
             min = min.min(middle - half);
             max = max.max(middle + half);
+            largest = largest.max(half.truncate().max_element());
         }
-        let middle = to_axes * Vec3A::from(eye);
-        let half = (max - middle).abs().max((min - middle).abs()).truncate().max_element() * ROOM;
-        let farthest = farthest.max(eye.abs().max_element());
-        Some(Self { to_axes, middle, half, farthest, min, max })
+        let middle = (to_axes * Vec3A::from(eye)).truncate();
+        let far = (max.truncate() - middle).abs().max((min.truncate() - middle).abs()).max_element();
+        // Powers of two, so that tiles stay the same while cascades change a little.
+        let up = |x: f32| x.log2().ceil().exp2();
+        let edge = up((largest * TILE.0).max(far * TILE.1));
+        let depth = up(farthest.max(eye.abs().max_element()).max(far)) * 8.0;
+        let [low, high] = [middle - far * ROOM, middle + far * ROOM].map(|corner| (corner / edge).floor());
+        let is_exact = |tile: Vec2| tile.abs().cmple(Vec2::splat(FARTHEST_TILE)).all();
+        let is_known = depth.is_finite() && (max - min).is_finite() && is_exact(low) && is_exact(high);
+        let reach = Reach { to_axes, middle: (min + max) * 0.5, half: ((max - min) * 0.5).with_z(depth) };
+        let (min, max) = (low.as_ivec2(), high.as_ivec2());
+        (is_known && layers != 0).then_some(Self { reach, edge, depth, min, max, layers })
     }
 
-    /// The view of it: an earlier one, if that will do.
-    fn aim(&self, layers: u64, old: Option<&Aim>) -> Option<Aim> {
-        let Self { to_axes, middle, half, farthest, min, max } = *self;
-        let holds = |aim: &&Aim| {
-            let Reach { middle, half, .. } = aim.reach;
-            let inside = (middle - half).cmple(min).all() && (middle + half).cmpge(max).all();
-            inside && aim.reach.to_axes == to_axes && aim.view.layers() == layers && farthest <= half.z * 0.25
-        };
-        if let Some(old) = old.filter(holds) {
-            return Some(old.clone());
-        }
-        // The corner of a cube is less than twice as far as a side.
-        let depth = farthest.max(half) * 8.0;
-        let half = Vec3A::new(half, half, depth);
-        let middle = Vec3A::new(middle.x, middle.y, 0.0);
+    fn tiles(&self) -> impl Iterator<Item = IVec2> {
+        let (min, max) = (self.min, self.max);
+        (min.y..=max.y).flat_map(move |y| (min.x..=max.x).map(move |x| IVec2::new(x, y)))
+    }
+
+    /// Across the light, with room for rounding.
+    fn tile(&self, tile: IVec2) -> (Vec2, f32) {
+        ((tile.as_vec2() + 0.5) * self.edge, self.edge * 0.5 * SLACK)
+    }
+
+    /// Whether the cascades hold something of a tile now.
+    fn holds(&self, tile: IVec2) -> bool {
+        let (middle, half) = self.tile(tile);
+        let apart = (middle - self.reach.middle.truncate()).abs();
+        apart.cmple(self.reach.half.truncate() + half).all()
+    }
+
+    /// The view of a tile.
+    fn aim(&self, tile: IVec2) -> Option<Aim> {
+        let to_axes = self.reach.to_axes;
+        let (middle, half) = self.tile(tile);
+        let (middle, half) = (Vec3A::from(middle.extend(0.0)), Vec3A::new(half, half, self.depth));
         let (scale, from_axes) = (half.recip() * Vec3A::new(1.0, 1.0, 0.5), to_axes.transpose());
         let column = |axis: Vec3A, w: f32| (to_axes * axis * scale).extend(w);
         let at = -middle * scale + Vec3A::new(0.0, 0.0, 0.5);
@@ -156,7 +191,7 @@ impl Shaft {
         let view =
             View::orthographic(border::vec3((-from_axes.z_axis).into()), border::mat4(&matrix)).ok()?;
         let reach = Reach { to_axes, middle, half };
-        (layers != 0).then(|| Aim { view: view.with_layers(layers), reach })
+        Some(Aim { view: view.with_layers(self.layers), reach })
     }
 }
 
@@ -190,11 +225,11 @@ pub(crate) fn check_lamps(
     let casca = &mut *casca;
     let class = TypeId::of::<ClusterVisibilityClass>();
     let lit: EntityHashSet = cameras.iter().flat_map(|seen| seen.get(class)).copied().collect();
-    let mut beams = std::mem::take(&mut casca.lamps);
     let asked = lit.iter().filter_map(|lamp| lamps.get(*lamp).ok()).filter(|lamp| !lamp.no_occlusion);
-    let aims = asked.filter_map(|lamp| Some(((lamp.entity, lamp.entity), lamp.aim()?))).collect();
+    let wanted: EntityHashMap<Aim> = asked.filter_map(|lamp| Some((lamp.entity, lamp.aim()?))).collect();
+    let aims = wanted.iter().map(|(lamp, aim)| ((*lamp, *lamp, IVec2::ZERO), aim.clone())).collect();
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
-    shine(&mut beams, now, settings.options, aims, |entity| casters.moves(entity));
+    casca.lamps.shine(now, settings.options, aims, usize::MAX, |entity| casters.moves(entity));
     let origin = get_shadow_lod_origin(
         targets.transmute_lens_filtered(),
         origins.transmute_lens_filtered(),
@@ -214,13 +249,14 @@ pub(crate) fn check_lamps(
         let sphere = Sphere { center: lamp.transform.translation_vec3a(), radius: range };
         let layers = lamp.layers.unwrap_or_default();
         let shine = Shine { layers, origin, sphere: Some(sphere), near: true };
-        let lit = beams.get(&(entity, entity)).and_then(|beam| beam.casters(&casca.movers));
+        let key = (entity, entity, IVec2::ZERO);
+        let lit = wanted.get(&entity);
+        let lit = lit.and_then(|aim| casca.lamps.casters(&[key], &aim.reach, &casca.movers));
         for (out, list) in out.into_iter().zip(casters.lists(&shine, frusta, lit)) {
             casca.counts.casters += list.len();
             out.entities = list;
         }
     }
-    casca.lamps = beams;
     casca.counts.time += start.elapsed();
 }
 
@@ -258,22 +294,37 @@ fn view_of_bulb(at: Vec3, light: &PointLight) -> Option<View> {
 mod tests {
     use super::*;
 
-    fn shaft(turn: f32, side: f32, farthest: f32) -> Shaft {
-        let place =
-            Mat4::from_rotation_translation(bevy_math::Quat::from_rotation_y(turn), Vec3::splat(side));
+    fn shaft(turn: f32, side: f32, farthest: f32) -> Option<Shaft> {
+        let turn = bevy_math::Quat::from_rotation_y(turn);
+        let place = Mat4::from_rotation_translation(turn, Vec3::new(side, side, side.max(farthest)));
         let clip = bevy_math::proj::orthographic(-side, side, -side, side, 9.0, 0.0);
         let cascade = Cascade { world_from_cascade: place, clip_from_cascade: clip, ..Default::default() };
-        Shaft::around(&[cascade], Vec3::ONE, farthest).unwrap()
+        Shaft::around(&[cascade], place.w_axis.truncate() + 1.0, farthest, 1)
     }
 
     #[test]
-    fn a_shaft_is_kept_while_it_holds_the_cascades() {
-        let aim = shaft(0.5, 8.0, 50.0).aim(1, None).unwrap();
-        assert_eq!(shaft(0.5, 7.0, 50.0).aim(1, Some(&aim)).unwrap(), aim);
-        assert_ne!(shaft(0.5, 8.0, 50.0).aim(2, Some(&aim)).unwrap(), aim, "other layers");
-        for other in [shaft(0.6, 7.0, 50.0), shaft(0.5, 12.0, 50.0), shaft(0.5, 7.0, 1e4)] {
-            assert_ne!(other.aim(1, Some(&aim)).unwrap(), aim);
+    fn tiles_stay_where_they_are_and_hold_the_cascades() {
+        let first = shaft(0.5, 7.0, 50.0).unwrap();
+        assert!((9..40).contains(&first.tiles().count()));
+        let common = |turn, side, farthest| {
+            let other = shaft(turn, side, farthest).unwrap();
+            other.tiles().filter(|tile| other.aim(*tile) == first.aim(*tile)).count()
+        };
+        assert_eq!(common(0.5, 5.0, 60.0), shaft(0.5, 5.0, 60.0).unwrap().tiles().count());
+        for (turn, side, farthest) in [(0.6, 7.0, 50.0), (0.5, 90.0, 50.0), (0.5, 7.0, 1e4)] {
+            assert_eq!(common(turn, side, farthest), 0);
         }
-        assert_eq!(shaft(0.5, f32::NAN, 50.0).aim(1, None), None);
+        let Reach { middle, half, .. } = first.reach;
+        for (x, y) in (0..=20).flat_map(|x| (0..=20).map(move |y| (x as f32, y as f32))) {
+            let at = middle + half * (Vec3A::new(x, y, 10.0) * 0.1 - 1.0);
+            let holds = |reach: Reach| {
+                ((at - reach.middle).abs().truncate() - reach.half.truncate()).max_element() <= 0.0
+            };
+            let mut now = first.tiles().filter(|tile| first.holds(*tile));
+            assert!(now.any(|tile| holds(first.aim(tile).unwrap().reach)), "{at}");
+        }
+        for nowhere in [shaft(0.5, f32::NAN, 50.0), shaft(0.5, 7.0, 1e5), shaft(0.5, 8.0, f32::INFINITY)] {
+            assert!(nowhere.is_none());
+        }
     }
 }

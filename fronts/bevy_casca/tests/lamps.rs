@@ -2,6 +2,7 @@
 
 mod common;
 
+use bevy_light::cluster::Clusters;
 use common::*;
 
 const WALL: u32 = 0;
@@ -98,4 +99,16 @@ fn a_lamp_is_on_where_its_light_may_be_seen() {
         |lamp: &mut EntityWorldMut| lamp.get_mut::<PointLight>().unwrap().shadow_maps_enabled = false;
     pair.frame(|world| on(world, BULB, without));
     assert_eq!(lamps(&mut pair.ours), [true, false], "without shadows it costs little");
+}
+
+#[test]
+fn clusters_reach_as_far_as_lamps_that_are_off() {
+    let mut pair = Pair::new(stage);
+    let near = || Clusters { last_frame_farthest_z: Some(5.0), ..Clusters::default() };
+    pair.frame(|world| on(world, CAMERA, |camera| done(camera.insert(near()))));
+    assert_eq!(lamps(&mut pair.ours), [false; 2]);
+    let camera = entity(pair.ours.world_mut(), CAMERA);
+    let far = pair.ours.world().get::<Clusters>(camera).unwrap().last_frame_farthest_z.unwrap();
+    // The bulb is 28 m away, and shines 5 m farther.
+    assert!((33.0..33.1).contains(&far), "{far}");
 }

@@ -54,7 +54,7 @@ fn tick(world: &mut World, frame: u32) {
             300..400 => transform.translation.x += 0.1 * (t + nr.0 as f32).cos(),
             BULB => transform.translation.z += 0.05 * t.cos(),
             SPOT => transform.rotate_y(0.01),
-            SUN => transform.rotate(Quat::from_rotation_y(0.02)),
+            SUN if frame % 20 == 19 => transform.rotate(Quat::from_rotation_y(0.4)),
             _ => {}
         }
     }

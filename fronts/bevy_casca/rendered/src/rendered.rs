@@ -100,6 +100,12 @@ impl Rendered {
         self.capture()
     }
 
+    /// Moves the camera, and draws a frame.
+    pub fn draw(&mut self, eye: Transform) {
+        self.app.world_mut().entity_mut(self.camera).insert(eye);
+        self.app.update();
+    }
+
     /// The picture of the next frame: four bytes a pixel.
     pub fn capture(&mut self) -> Result<Vec<u8>, String> {
         capture(&mut self.app, &self.target)

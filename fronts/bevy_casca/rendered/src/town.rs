@@ -36,6 +36,29 @@ impl Moves {
 
 /// Spawns so many things, and a sun with shadows.
 pub fn fill(world: &mut World, size: usize) {
+    sun(world);
+    things(world, size).into_iter().for_each(|thing| thing.spawn(world));
+}
+
+/// A thing that is not there yet.
+pub struct Coming {
+    part: Part,
+    parts: (Thing, Mesh3d, MeshMaterial3d<StandardMaterial>, Transform),
+    moves: Option<Moves>,
+}
+
+impl Coming {
+    pub fn spawn(self, world: &mut World) {
+        let mut thing = world.spawn(self.parts);
+        if self.part == Part::Ground {
+            thing.insert(Ground);
+        }
+        self.moves.into_iter().for_each(|moves| _ = thing.insert(moves));
+    }
+}
+
+/// So many things.
+pub fn things(world: &mut World, size: usize) -> Vec<Coming> {
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
     let mut paint =
@@ -43,23 +66,26 @@ pub fn fill(world: &mut World, size: usize) {
     let ground = paint(Color::srgb(0.32, 0.34, 0.33));
     let walls: Vec<_> =
         (0..12).map(|i| paint(Color::hsl(15.0 + 5.0 * i as f32, 0.35, 0.45 + 0.3 * dice(i)))).collect();
-    let things: Vec<_> = (0..12).map(|i| paint(Color::hsl(30.0 * i as f32, 0.65, 0.5))).collect();
-    for (part, i, middle, size) in layout::boxes(size) {
+    let colors: Vec<_> = (0..12).map(|i| paint(Color::hsl(30.0 * i as f32, 0.65, 0.5))).collect();
+    let thing = |(part, i, middle, size): (Part, usize, Vec3, Vec3)| {
         let material = match part {
             Part::Ground => &ground,
             Part::House => &walls[i % walls.len()],
-            Part::Thing => &things[i % things.len()],
+            Part::Thing => &colors[i % colors.len()],
         };
         let at = Transform::from_translation(middle).with_scale(size);
-        let mut thing = world.spawn((Thing, Mesh3d(cube.clone()), MeshMaterial3d(material.clone()), at));
-        if part == Part::Ground {
-            thing.insert(Ground);
-        } else if part == Part::Thing && i.is_multiple_of(20) {
-            let angle = dice(i) * 6.3;
-            let by = Vec3::new(angle.cos(), 0.0, angle.sin()) * 2.5;
-            thing.insert(Moves { rest: middle, by, rate: 0.5 });
-        }
-    }
+        let angle = dice(i) * 6.3;
+        let by = Vec3::new(angle.cos(), 0.0, angle.sin()) * 2.5;
+        let walks = part == Part::Thing && i.is_multiple_of(20);
+        let moves = walks.then_some(Moves { rest: middle, by, rate: 0.5 });
+        let parts = (Thing, Mesh3d(cube.clone()), MeshMaterial3d(material.clone()), at);
+        Coming { part, parts, moves }
+    };
+    layout::boxes(size).map(thing).collect()
+}
+
+/// Spawns a sun with shadows.
+pub fn sun(world: &mut World) {
     let sun = DirectionalLight { illuminance: 8_000.0, shadow_maps_enabled: true, ..default() };
     let down = Transform::default().looking_to(Vec3::new(0.3, -1.0, -0.5), Vec3::Y);
     let cascades = CascadeShadowConfigBuilder::default().build();

@@ -6,9 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use bevy::camera::RenderTarget;
+use bevy::prelude::{Assets, Image};
+use bevy::render::render_resource::TextureFormat;
 use bevy_casca::{CascaScene, CascaSettings};
 use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH, save};
 use bevy_casca_rendered::scenes::Scene;
+use bevy_casca_rendered::town;
 use clap::Parser;
 
 /// Renders scenes by Bevy with and without bevy_casca, and compares all pixels.
@@ -20,6 +24,9 @@ struct Arguments {
     /// The scene; all if none is named
     #[arg(long)]
     scene: Option<Scene>,
+    /// Loads a town of so many things instead, 1,000 in each frame, and measures frames
+    #[arg(long)]
+    load: Option<usize>,
     /// The folder of PNG files: the picture in the middle of each scene, and all that differ
     #[arg(long)]
     out: Option<PathBuf>,
@@ -27,6 +34,15 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Some(size) = arguments.load {
+        return match load(size) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     let mut alike = true;
     let all = arguments.scene.map_or(Scene::ALL.to_vec(), |scene| vec![scene]);
     for scene in all {
@@ -39,6 +55,70 @@ fn main() -> ExitCode {
         }
     }
     ExitCode::from(u8::from(!alike))
+}
+
+/// Frames after everything came.
+const FRAMES: usize = 120;
+
+/// Frames that wait for the plugin, at most.
+const PATIENCE: usize = 2000;
+
+/// Measures whole frames of both, in turn, into a picture so small that a processor draws it fast.
+fn load(size: usize) -> Result<(), String> {
+    let settings = [Some(CascaSettings::default()), None];
+    let mut apps = Vec::new();
+    for settings in settings {
+        let mut app = Rendered::with_plugins(settings, |_| (), town::sun, town::street(0.0))?;
+        let (world, camera) = app.world_and_camera();
+        let picture = Image::new_target_texture(16, 9, TextureFormat::Rgba8UnormSrgb, None);
+        let target = world.resource_mut::<Assets<Image>>().add(picture);
+        world.entity_mut(camera).insert(RenderTarget::Image(target.into()));
+        let mut things = town::things(world, size).into_iter();
+        // With a few, all pipelines are there.
+        things.by_ref().take(100).for_each(|thing| thing.spawn(world));
+        app.prepare(40);
+        apps.push((app, things, [Vec::new(), Vec::new(), Vec::new()]));
+    }
+    let mut drawn = [0; 2];
+    let mut after = 0;
+    for frame in 0.. {
+        let loads = apps[0].1.len() > 0;
+        let known = apps[0].0.casca().and_then(CascaScene::scene).map_or(0, |scene| scene.len());
+        let part = if loads { 0 } else { 1 + usize::from(known >= size || after >= PATIENCE) };
+        after += usize::from(part == 2);
+        if after > FRAMES || frame > PATIENCE {
+            break;
+        }
+        let eye = town::street(after as f32 / 60.0);
+        for ((app, things, times), drawn) in apps.iter_mut().zip(&mut drawn) {
+            let (world, _) = app.world_and_camera();
+            things.by_ref().take(1000).for_each(|thing| thing.spawn(world));
+            let start = Instant::now();
+            app.draw(eye);
+            times[part].push(start.elapsed().as_secs_f64() * 1e3);
+            *drawn += if part == 2 { app.drawn() } else { 0 };
+        }
+    }
+    let names = ["with 1,000 new things", "until all are known", "after that"];
+    for (part, name) in names.into_iter().enumerate() {
+        let mut of = |i: usize| {
+            let times: &mut Vec<f64> = &mut apps[i].2[part];
+            times.sort_by(f64::total_cmp);
+            let (mean, last) =
+                (times.iter().sum::<f64>() / times.len().max(1) as f64, times.len().max(1) - 1);
+            let at = |share: usize| times.get(last * share / 100).copied().unwrap_or_default();
+            ([at(50), mean, at(99), at(100)], times.len())
+        };
+        let ((casca, frames), (bevy, _)) = (of(0), of(1));
+        let over: Vec<_> =
+            casca.iter().zip(bevy).map(|(casca, bevy)| format!("{:.2}", casca / bevy)).collect();
+        println!(
+            "{size}: {frames} frames {name}, ms (median, mean, 99%, most): Bevy {bevy:.2?}, casca {casca:.2?}, over Bevy's: {}",
+            over.join(", ")
+        );
+    }
+    println!("drawn: {} instead of {}", drawn[0] / FRAMES, drawn[1] / FRAMES);
+    Ok(())
 }
 
 /// Renders a scene twice. Returns the number of pictures that differ.
