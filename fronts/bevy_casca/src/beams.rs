@@ -111,8 +111,13 @@ impl Beams {
         self.beams.clear();
     }
 
-    /// Brings the beams up to date by no more than `most` queries, and forgets those that are not
-    /// wanted. Nearer ends of the list are asked first.
+    /// The frame in which a beam was asked, if it was.
+    pub(crate) fn ran(&self, key: &Key) -> Option<u32> {
+        self.beams.get(key).map(|beam| beam.ran)
+    }
+
+    /// Brings the beams up to date by no more than `most` queries, in the order in which they are wanted,
+    /// and forgets others.
     pub(crate) fn shine(
         &mut self,
         (scene, changes, frame): (Option<&Scene>, &Changes, u32),

@@ -66,15 +66,14 @@ pub(crate) fn check_suns(
             shafts.extend(shaft.filter(|_| alike).map(|shaft| ((entity, camera), shaft)));
         }
     }
-    // First what the cascades hold now.
     let mut wanted = Vec::new();
-    for now in [true, false] {
-        let tiles = shafts.iter().flat_map(|(key, shaft)| shaft.tiles().map(move |tile| (*key, shaft, tile)));
-        let tiles = tiles.filter(|(_, shaft, tile)| shaft.holds(*tile) == now);
-        wanted.extend(
-            tiles.filter_map(|((sun, camera), shaft, tile)| Some(((sun, camera, tile), shaft.aim(tile)?))),
-        );
+    for (&(sun, camera), shaft) in &shafts {
+        let tiles = shaft.tiles().map(|tile| ((sun, camera, tile), shaft.aim(tile), !shaft.holds(tile)));
+        wanted.extend(tiles.filter_map(|(key, aim, later)| Some((later, casca.suns.ran(&key), key, aim?))));
     }
+    // First what cascades hold now, and of that what was not asked for longest.
+    wanted.sort_by_key(|&(later, ran, ..)| (later, ran));
+    let wanted = wanted.into_iter().map(|(.., key, aim)| (key, aim)).collect();
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
     casca.suns.shine(now, settings.options, wanted, TILES_A_FRAME, |entity| casters.moves(entity));
     for (entity, light, frusta, _, mut visible, layers, seen, _) in &mut suns {
