@@ -45,7 +45,7 @@ const MOST: [(&str, usize); 31] = [
     ("crates/cache", 400),
     ("crates/lab", 6250),
     ("crates/meshopt", 450),
-    ("crates/scenes", 8650),
+    ("crates/scenes", 8250),
     ("crates/slots", 650),
     ("crates/tools", 1200),
     ("crates/truth", 8700),

@@ -4,7 +4,7 @@
 //! - [`world`]: test scenes: objects, their motion, a camera path.
 //! - [`generated`]: the procedural scenes, seeded.
 //! - [`import`]: scenes from glTF 2.0 files.
-//! - [`export`]: scenes written as such files.
+//! - [`export`]: such files, written.
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`measure`]: what benches and the laboratory share.
 //! - [`name`]: a scene on a command line, by its name or file.

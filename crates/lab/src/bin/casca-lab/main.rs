@@ -1,10 +1,8 @@
-//! The command line of casca's test scenes: walks checked against exact visibility, the report, and
-//! levels in files.
+//! The command line of casca's test scenes: walks checked against exact visibility, and the report.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the
 //! commands. `report` is built with `--features experiments`.
 
-mod level;
 #[cfg(feature = "experiments")]
 mod report;
 
@@ -26,7 +24,7 @@ const MORE: &str = if cfg!(feature = "experiments") {
 #[derive(Debug, Parser)]
 #[command(
     name = "casca-lab",
-    about = "Walks, measurements and files for casca",
+    about = "Walks and measurements for casca",
     after_help = format!("{MORE}{EXIT_CODES}")
 )]
 struct CommandLine {
@@ -39,7 +37,6 @@ enum Command {
     Walk(walk::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
-    Level(level::Options),
 }
 
 impl Command {
@@ -47,7 +44,8 @@ impl Command {
     fn check(&self) -> Result<(), String> {
         match self {
             Self::Walk(options) => options.check(),
-            _ => Ok(()),
+            #[cfg(feature = "experiments")]
+            Self::Report(_) => Ok(()),
         }
     }
 
@@ -56,7 +54,6 @@ impl Command {
             Self::Walk(options) => walk::run(options),
             #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
-            Self::Level(options) => level::run(options),
         }
     }
 }
@@ -77,7 +74,7 @@ mod tests {
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
         let more = if cfg!(feature = "experiments") { &["report"][..] } else { &[] };
-        for name in ["walk", "level"].iter().chain(more) {
+        for name in ["walk"].iter().chain(more) {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");
