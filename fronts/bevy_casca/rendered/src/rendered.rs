@@ -100,6 +100,13 @@ impl Rendered {
         self.capture()
     }
 
+    /// The lamps that shine.
+    pub fn lamps(&mut self) -> usize {
+        let world = self.app.world_mut();
+        let mut lamps = world.query_filtered::<&ViewVisibility, Or<(With<PointLight>, With<SpotLight>)>>();
+        lamps.iter(world).filter(|shines| shines.get()).count()
+    }
+
     /// Moves the camera, and draws a frame.
     pub fn draw(&mut self, eye: Transform) {
         self.app.world_mut().entity_mut(self.camera).insert(eye);

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use bevy::camera::RenderTarget;
+use bevy::light::DirectionalLightShadowMap;
 use bevy::prelude::{Assets, Image};
 use bevy::render::render_resource::TextureFormat;
 use bevy_casca::{CascaScene, CascaSettings};
@@ -63,13 +64,14 @@ const FRAMES: usize = 120;
 /// Frames that wait for the plugin, at most.
 const PATIENCE: usize = 2000;
 
-/// Measures whole frames of both, in turn, into a picture so small that a processor draws it fast.
+/// Measures whole frames of both, in turn. Picture and shadow maps are so small that a processor draws them fast.
 fn load(size: usize) -> Result<(), String> {
     let settings = [Some(CascaSettings::default()), None];
     let mut apps = Vec::new();
     for settings in settings {
         let mut app = Rendered::with_plugins(settings, |_| (), town::sun, town::street(0.0))?;
         let (world, camera) = app.world_and_camera();
+        world.insert_resource(DirectionalLightShadowMap { size: 16 });
         let picture = Image::new_target_texture(16, 9, TextureFormat::Rgba8UnormSrgb, None);
         let target = world.resource_mut::<Assets<Image>>().add(picture);
         world.entity_mut(camera).insert(RenderTarget::Image(target.into()));
@@ -77,47 +79,43 @@ fn load(size: usize) -> Result<(), String> {
         // With a few, all pipelines are there.
         things.by_ref().take(100).for_each(|thing| thing.spawn(world));
         app.prepare(40);
-        apps.push((app, things, [Vec::new(), Vec::new(), Vec::new()]));
+        apps.push((app, things, [Vec::new(), Vec::new()]));
     }
     let mut drawn = [0; 2];
-    let mut after = 0;
-    for frame in 0.. {
-        let loads = apps[0].1.len() > 0;
+    for _ in 0..PATIENCE {
         let known = apps[0].0.casca().and_then(CascaScene::scene).map_or(0, |scene| scene.len());
-        let part = if loads { 0 } else { 1 + usize::from(known >= size || after >= PATIENCE) };
-        after += usize::from(part == 2);
-        if after > FRAMES || frame > PATIENCE {
+        let is_there = apps[0].1.len() == 0 && known >= size;
+        let after = apps[0].2[1].len();
+        if after == FRAMES {
             break;
         }
-        let eye = town::street(after as f32 / 60.0);
         for ((app, things, times), drawn) in apps.iter_mut().zip(&mut drawn) {
             let (world, _) = app.world_and_camera();
             things.by_ref().take(1000).for_each(|thing| thing.spawn(world));
             let start = Instant::now();
-            app.draw(eye);
-            times[part].push(start.elapsed().as_secs_f64() * 1e3);
-            *drawn += if part == 2 { app.drawn() } else { 0 };
+            app.draw(town::street(after as f32 / 60.0));
+            times[usize::from(is_there)].push(start.elapsed().as_secs_f64() * 1e3);
+            *drawn += if is_there { app.drawn() } else { 0 };
         }
     }
-    let names = ["with 1,000 new things", "until all are known", "after that"];
-    for (part, name) in names.into_iter().enumerate() {
-        let mut of = |i: usize| {
+    println!(
+        "{size} things, ms: median, mean, 99%, most; drawn: {} of {}",
+        drawn[0] / FRAMES,
+        drawn[1] / FRAMES
+    );
+    for (part, name) in ["in which things come", "after that"].into_iter().enumerate() {
+        let [casca, bevy] = [0, 1].map(|i| {
             let times: &mut Vec<f64> = &mut apps[i].2[part];
             times.sort_by(f64::total_cmp);
-            let (mean, last) =
-                (times.iter().sum::<f64>() / times.len().max(1) as f64, times.len().max(1) - 1);
-            let at = |share: usize| times.get(last * share / 100).copied().unwrap_or_default();
-            ([at(50), mean, at(99), at(100)], times.len())
-        };
-        let ((casca, frames), (bevy, _)) = (of(0), of(1));
-        let over: Vec<_> =
-            casca.iter().zip(bevy).map(|(casca, bevy)| format!("{:.2}", casca / bevy)).collect();
-        println!(
-            "{size}: {frames} frames {name}, ms (median, mean, 99%, most): Bevy {bevy:.2?}, casca {casca:.2?}, over Bevy's: {}",
-            over.join(", ")
-        );
+            let mean = times.iter().sum::<f64>() / times.len() as f64;
+            let at =
+                |share| times.get(times.len().saturating_sub(1) * share / 100).copied().unwrap_or(f64::NAN);
+            [at(50), mean, at(99), at(100)]
+        });
+        let over = [0, 1, 2, 3].map(|i| casca[i] / bevy[i]);
+        let frames = apps[0].2[part].len();
+        println!("{frames} frames {name}: Bevy {bevy:.1?}, casca {casca:.1?}, over Bevy's {over:.2?}");
     }
-    println!("drawn: {} instead of {}", drawn[0] / FRAMES, drawn[1] / FRAMES);
     Ok(())
 }
 
@@ -127,7 +125,7 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
     let settings = Some(CascaSettings::default());
     let (mut casca, mut bevy) = (Rendered::new(scene, settings)?, Rendered::new(scene, None)?);
     let (mut pictures, mut pixels) = (0, 0);
-    let (mut drawn, mut took) = ([0; 2], [Duration::ZERO; 2]);
+    let (mut drawn, mut lamps, mut took) = ([0; 2], [0; 2], [Duration::ZERO; 2]);
     for frame in 0..frames {
         let start = Instant::now();
         let with = casca.picture(scene, frame)?;
@@ -138,6 +136,7 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
         pictures += u32::from(differ > 0);
         pixels += differ;
         drawn = [drawn[0] + casca.drawn(), drawn[1] + bevy.drawn()];
+        lamps = [lamps[0] + casca.lamps(), lamps[1] + bevy.lamps()];
         let folder = out.filter(|_| differ > 0 || frame == frames / 2);
         for (name, picture) in [("casca", with), ("bevy", without)] {
             save(folder, &format!("{of_scene}-{frame}-{name}.png"), (WIDTH, HEIGHT), &picture)?;
@@ -145,9 +144,11 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
     }
     println!(
         "{of_scene}: {pictures} of {frames} pictures differ, in {pixels} pixels; \
-         drawn {} of {}, in {:.2} of the time; {} meshes hide",
+         drawn {} of {}, {:.1} of {:.1} lamps shine, in {:.2} of the time; {} meshes hide",
         drawn[0] / frames.max(1) as usize,
         drawn[1] / frames.max(1) as usize,
+        lamps[0] as f32 / frames.max(1) as f32,
+        lamps[1] as f32 / frames.max(1) as f32,
         took[0].as_secs_f64() / took[1].as_secs_f64(),
         casca.casca().map_or(0, CascaScene::occluders)
     );
