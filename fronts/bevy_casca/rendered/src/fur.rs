@@ -6,6 +6,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::ClearColorConfig;
 use bevy::camera::visibility::VisibleEntities;
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::diagnostic::FrameCount;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_casca::{CascaSettings, MaterialsPlugin, Surface};
@@ -18,6 +19,7 @@ use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex};
+use casca_fur::scenes::threads;
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
 use casca_scenes::world;
@@ -38,6 +40,9 @@ const DARK: f32 = 0.3;
 
 /// Frames until all coats are there with their layers.
 pub const SETTLED: u32 = 8;
+
+/// Frames whose time is taken.
+const TIMED: u32 = 5;
 
 /// A ball of radius 1 with fur, alone before a sky, all light from everywhere.
 pub struct Ball {
@@ -100,8 +105,8 @@ impl Ball {
         Ok(reference.picture(&self.own_camera(), size, 2, &[glam::Vec3::ONE; 2], glam::Vec3::Y))
     }
 
-    /// The picture of Bevy, with its colours stored as casca-fur stores them.
-    pub fn by_bevy(&self, layers: u32) -> Result<Vec<u8>, String> {
+    /// The picture of Bevy, with its colours stored as casca-fur stores them, and the time of a frame.
+    pub fn by_bevy(&self, layers: u32) -> Result<(Vec<u8>, f64), String> {
         let mesh = mesh_of(&self.own_mesh()?);
         let fill = |world: &mut World| {
             let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
@@ -128,12 +133,12 @@ impl Ball {
             let color = Color::LinearRgba(LinearRgba::rgb(sky[0], sky[1], sky[2]));
             camera.clear_color = ClearColorConfig::Custom(color);
         }
-        let picture = rendered.capture()?;
+        let (picture, time) = timed(&mut rendered)?;
         let coats = coats(&mut rendered);
         if coats != [(layers, true)] {
             return Err(format!("coats with {coats:?} layers instead of one with {layers}"));
         }
-        Ok(picture.iter().map(|&byte| stored_again(byte)).collect())
+        Ok((picture.iter().map(|&byte| stored_again(byte)).collect(), time))
     }
 }
 
@@ -158,6 +163,17 @@ pub fn furry(
     world.entity_mut(camera).insert(Projection::Perspective(lens));
     (0..SETTLED).for_each(|_| rendered.app().update());
     Ok(rendered)
+}
+
+/// A picture, and the milliseconds of all threads for a frame, from several frames.
+pub fn timed(rendered: &mut Rendered) -> Result<(Vec<u8>, f64), String> {
+    let now = |rendered: &mut Rendered| (threads(), rendered.app().world().resource::<FrameCount>().0);
+    rendered.capture()?;
+    let start = now(rendered);
+    (0..TIMED).for_each(|_| rendered.app().update());
+    let picture = rendered.capture()?;
+    let end = now(rendered);
+    Ok((picture, (end.0 - start.0) / f64::from(end.1 - start.1)))
 }
 
 /// The layers of all coats, in the order of their animals, and whether the camera draws them.
