@@ -32,9 +32,6 @@ fn main() -> ExitCode {
     }
 }
 
-/// Frames after which layers follow another eye: what comes into view is planned in the second.
-const FRAMES: u32 = 3;
-
 /// The greatest RMSE between a picture of Bevy's and one of casca-fur's: rounding and another curve
 /// of colours, but no strand that is missing.
 const ALIKE: f64 = 0.004;
@@ -75,7 +72,6 @@ fn herd(arguments: &Arguments) -> Result<(), String> {
             if let Some(mut at) = world.get_mut::<Transform>(camera) {
                 *at = *eye;
             }
-            (0..FRAMES).for_each(|_| app.app().update());
             let (picture, time) = timed(app)?;
             println!("eye {i}, {name}: {time:.0} ms a frame");
             save(arguments.out.as_deref(), &format!("herd-{i}-{name}.png"), (WIDTH, HEIGHT), &picture)?;
