@@ -65,8 +65,8 @@ impl Store {
         Some((known.skin.as_ref().ok()?, known.version))
     }
 
-    /// The mesh with layers, which is in use now, made if it is not there yet. None if the mesh below cannot be read any
-    /// more.
+    /// The mesh with layers, which is in use now, made if it is not there yet. None if the mesh
+    /// below cannot be read any more.
     pub fn shells(&mut self, of: Made, meshes: &mut ResMut<'_, Assets<Mesh>>) -> Option<Handle<Mesh>> {
         let known = self.known.get_mut(&of.mesh)?;
         let key = (of.layers, of.reach);

@@ -61,9 +61,8 @@ impl Ball {
 
     /// The look of casca-fur with light from everywhere alone.
     fn look(&self) -> Look {
-        let material =
-            Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, root: DARK, ..Material::default() };
-        Look { material, ..Look::new(self.fur) }
+        let dull = Material { diffuse: 0.0, specular: 0.0, ..Material::default() };
+        Look { material: Material { ambient: 1.0, root: DARK, ..dull }, ..Look::new(self.fur) }
     }
 
     fn own_mesh(&self) -> Result<OwnMesh, String> {

@@ -44,7 +44,8 @@ fn ball(arguments: &Arguments) -> Result<(), String> {
         let ((bevy, time), own) = (ball.by_bevy(layers)?, ball.by_casca_fur(layers)?);
         let half = |picture: &[u8]| halved(picture, (WIDTH, HEIGHT));
         println!(
-            "{layers} layers: Bevy to casca-fur {:.4}; to traced strands Bevy {:.4}, casca-fur {:.4}; {time:.0} ms a frame",
+            "{layers} layers: Bevy to casca-fur {:.4}; to traced strands Bevy {:.4}, casca-fur {:.4}; \
+             {time:.0} ms a frame",
             rmse(&bevy, &own),
             rmse(&half(&bevy), &traced),
             rmse(&half(&own), &traced)
