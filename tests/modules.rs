@@ -49,7 +49,7 @@ const MOST: [(&str, usize); 31] = [
     ("crates/slots", 650),
     ("crates/tools", 1200),
     ("crates/truth", 8700),
-    ("sisters/fur", 8800),
+    ("sisters/fur", 8750),
     ("sisters/images", 250),
     ("sisters/light", 9500),
     ("sisters/lightmap", 1750),

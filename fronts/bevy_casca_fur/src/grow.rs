@@ -36,11 +36,17 @@ pub(crate) struct Animal {
     furry: &'static crate::Furry,
     place: &'static GlobalTransform,
     seen: Option<&'static ViewVisibility>,
+    marks: Marks,
+    skinned: Option<Ref<'static, SkinnedMesh>>,
+}
+
+/// What a coat takes over from its animal.
+#[derive(QueryData)]
+pub(crate) struct Marks {
     layers: Option<&'static RenderLayers>,
     casts_none: Has<NotShadowCaster>,
     receives_none: Has<NotShadowReceiver>,
     unculled: Has<NoFrustumCulling>,
-    skinned: Option<Ref<'static, SkinnedMesh>>,
 }
 
 /// The fur of an animal.
@@ -55,14 +61,10 @@ pub(crate) struct Fleece {
     seen: &'static ViewVisibility,
     mesh: &'static mut Mesh3d,
     material: &'static mut MeshMaterial3d<FurMaterial>,
-    layers: Option<&'static RenderLayers>,
-    casts_none: Has<NotShadowCaster>,
-    receives_none: Has<NotShadowReceiver>,
-    unculled: Has<NoFrustumCulling>,
+    marks: Marks,
     skinned: Has<SkinnedMesh>,
 }
 
-/// All that the system reads and writes.
 #[derive(SystemParam)]
 pub(crate) struct Growing<'w, 's> {
     commands: Commands<'w, 's>,
@@ -103,7 +105,6 @@ pub(crate) fn grow(growing: Growing) {
     store.begin(&mut events);
     let coats = coats(&mut commands, &animals, &fleeces);
     let eyes: Vec<Eye> = cameras.iter().filter_map(|(c, p, t)| Eye::of(c, p, t)).collect();
-    let plans = !eyes.is_empty();
     let mut wishes = Vec::new();
     for animal in &animals {
         let fleece = coats.get(&animal.entity).and_then(|&coat| fleeces.get(coat).ok());
@@ -118,10 +119,7 @@ pub(crate) fn grow(growing: Growing) {
                 }
                 return None;
             }
-            let mut wish = wish(&animal, fleece.as_ref(), skin, &fur, &eyes);
-            wish.made.version = version;
-            wish.planned &= plans;
-            Some(wish)
+            Some(wish(&animal, fleece.as_ref(), (skin, version), &fur, &eyes))
         });
         if let (None, Some(coat)) = (&fit, coat) {
             commands.entity(coat).try_despawn();
@@ -160,7 +158,7 @@ fn coats(
 fn wish(
     animal: &AnimalItem,
     fleece: Option<&FleeceReadOnlyItem>,
-    skin: &Skin,
+    (skin, version): (&Skin, u32),
     fur: &Fur,
     eyes: &[Eye],
 ) -> Wish {
@@ -170,14 +168,11 @@ fn wish(
     // Hidden coats are in no list: those wake with their skin.
     let skin_seen = animal.seen.is_none_or(|seen| seen.get());
     let coat = fleece.map(|fleece| fleece.coat);
-    let planned = match fleece {
-        Some(fleece) => fleece.seen.get() || fleece.coat.layers == 0 && skin_seen,
-        // Nothing is known of a new animal yet.
-        None => true,
-    };
+    // Nothing is known of a new animal yet.
+    let wakes = fleece.is_none_or(|old| old.seen.get() || old.coat.layers == 0 && skin_seen);
     let made = Made {
         mesh: animal.mesh.id(),
-        version: 0,
+        version,
         layers: coat.map_or(1, |coat| coat.made.layers),
         reach: if animal.skinned.is_some() { reach.to_bits() } else { 0 },
     };
@@ -187,7 +182,7 @@ fn wish(
         aabb,
         made,
         most: skin.most_layers,
-        planned,
+        planned: wakes && !eyes.is_empty(),
         vertices: [skin.vertices],
         height: fur.height * ball.scale,
         sizes: ball.seen_by(eyes),
@@ -259,13 +254,7 @@ fn begin(
         visibility(wish.layers),
         ChildOf(wish.animal),
     ));
-    if let Some(skinned) = &animal.skinned {
-        coat.insert((SkinnedMesh::clone(skinned), DynamicSkinnedMeshBounds));
-    }
-    put(&mut coat, animal.layers.cloned().map(Some));
-    put(&mut coat, animal.casts_none.then_some(Some(NotShadowCaster)));
-    put(&mut coat, animal.receives_none.then_some(Some(NotShadowReceiver)));
-    put(&mut coat, animal.unculled.then_some(Some(NoFrustumCulling)));
+    follow(&mut coat, animal, None, false);
 }
 
 /// Hidden coats cost nothing.
@@ -273,18 +262,35 @@ fn visibility(layers: u32) -> Visibility {
     if layers == 0 { Visibility::Hidden } else { Visibility::Inherited }
 }
 
-/// Inserts a component, removes it, or leaves it.
-fn put<C: Component>(coat: &mut EntityCommands, change: Option<Option<C>>) {
-    match change {
-        Some(Some(component)) => drop(coat.try_insert(component)),
-        Some(None) => drop(coat.try_remove::<C>()),
-        None => {}
+/// Gives a coat what its animal has, takes what that lacks, and leaves the rest.
+fn follow(coat: &mut EntityCommands, animal: &AnimalItem, old: Option<&MarksItem>, skinned: bool) {
+    match &animal.skinned {
+        Some(bones) if bones.is_changed() || !skinned => {
+            coat.try_insert((SkinnedMesh::clone(bones), DynamicSkinnedMeshBounds));
+        }
+        None if skinned => drop(coat.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>()),
+        _ => {}
     }
+    let new = &animal.marks;
+    if new.layers != old.and_then(|old| old.layers) {
+        put(coat, new.layers.cloned());
+    }
+    let mut mark = |of: fn(&MarksItem) -> bool, put: fn(&mut EntityCommands, bool)| {
+        if of(new) != old.is_some_and(of) {
+            put(coat, of(new));
+        }
+    };
+    mark(|marks| marks.casts_none, |coat, on| put(coat, on.then_some(NotShadowCaster)));
+    mark(|marks| marks.receives_none, |coat, on| put(coat, on.then_some(NotShadowReceiver)));
+    mark(|marks| marks.unculled, |coat, on| put(coat, on.then_some(NoFrustumCulling)));
 }
 
-/// The change of a marker that the animal has or lacks.
-fn marker<C>(animal: bool, coat: bool, marker: C) -> Option<Option<C>> {
-    (animal != coat).then(|| animal.then_some(marker))
+/// Inserts a component, or removes it.
+fn put<C: Component>(coat: &mut EntityCommands, component: Option<C>) {
+    match component {
+        Some(component) => coat.try_insert(component),
+        None => coat.try_remove::<C>(),
+    };
 }
 
 /// Brings a coat up to date. Nothing is marked changed that did not change.
@@ -296,35 +302,18 @@ fn change(
     store: &mut Store,
     meshes: &mut ResMut<Assets<Mesh>>,
 ) {
-    if fleece.coat.made == wish.made {
-        store.keep(wish.made);
-    } else if let Some(mesh) = store.shells(wish.made, meshes) {
+    let mut made = fleece.coat.made;
+    if let Some(mesh) = store.shells(wish.made, meshes) {
         fleece.mesh.set_if_neq(Mesh3d(mesh));
-        fleece.coat.made = wish.made;
+        made = wish.made;
     }
-    let layers = if wish.layers == 0 { 0 } else { fleece.coat.made.layers };
-    let coat = Coat { layers, made: fleece.coat.made };
-    fleece.coat.set_if_neq(coat);
+    let layers = if wish.layers == 0 { 0 } else { made.layers };
+    fleece.coat.set_if_neq(Coat { layers, made });
     fleece.visibility.set_if_neq(visibility(layers));
     fleece.material.set_if_neq(MeshMaterial3d(animal.furry.0.clone()));
     // Those of posed skins are Bevy's.
     if animal.skinned.is_none() {
         fleece.aabb.set_if_neq(wish.aabb);
     }
-    let mut coat = commands.entity(fleece.entity);
-    match &animal.skinned {
-        Some(skinned) if skinned.is_changed() || !fleece.skinned => {
-            coat.try_insert((SkinnedMesh::clone(skinned), DynamicSkinnedMeshBounds));
-        }
-        None if fleece.skinned => {
-            coat.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
-        }
-        _ => {}
-    }
-    if animal.layers != fleece.layers {
-        put(&mut coat, Some(animal.layers.cloned()));
-    }
-    put(&mut coat, marker(animal.casts_none, fleece.casts_none, NotShadowCaster));
-    put(&mut coat, marker(animal.receives_none, fleece.receives_none, NotShadowReceiver));
-    put(&mut coat, marker(animal.unculled, fleece.unculled, NoFrustumCulling));
+    follow(&mut commands.entity(fleece.entity), animal, Some(&fleece.marks), fleece.skinned);
 }

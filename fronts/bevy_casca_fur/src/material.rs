@@ -1,7 +1,13 @@
 //! The material of fur: Bevy's standard one, on strands.
 
-use bevy_asset::{Asset, Handle, uuid_handle};
+use std::collections::{BTreeMap, BTreeSet};
+
+use bevy_asset::uuid::Uuid;
+use bevy_asset::{Asset, Assets, Handle, RenderAssetUsages, uuid_handle};
 use bevy_color::{ColorToComponents, LinearRgba};
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParamItem;
+use bevy_image::Image;
 use bevy_material::{AlphaMode, OpaqueRendererMethod};
 use bevy_math::{UVec4, Vec4};
 use bevy_mesh::{Mesh, MeshVertexBufferLayoutRef};
@@ -10,11 +16,14 @@ use bevy_pbr::{
 };
 use bevy_reflect::TypePath;
 use bevy_render::render_resource::{
-    AsBindGroup, RenderPipelineDescriptor, ShaderType, SpecializedMeshPipelineError,
+    AsBindGroup, AsBindGroupError, BindGroupBuilder, BindGroupLayout, BindGroupLayoutEntry, Extent3d,
+    RenderPipelineDescriptor, SpecializedMeshPipelineError, TextureDimension, TextureFormat,
 };
+use bevy_render::renderer::RenderDevice;
 use bevy_shader::{Shader, ShaderRef};
-use casca_fur::shader::{FINE, SLAB, STRANDS, WALK};
-use casca_fur::strands::{Fur, MAX_PER_CELL};
+use casca_fur::shader::{LOOKUP, SLAB, STRANDS, look};
+use casca_fur::shading::Material;
+use casca_fur::strands::{Fur, MAX_PER_CELL, PERIOD, TEXELS};
 
 use crate::shells::ATTRIBUTE_FUR_LAYER;
 
@@ -30,8 +39,7 @@ pub fn fur_material(base: StandardMaterial, extension: FurExtension) -> FurMater
 }
 
 /// The strands of a [`FurMaterial`], and their colours.
-#[derive(Asset, TypePath, AsBindGroup, Debug, Clone, PartialEq)]
-#[uniform(100, FurUniform)]
+#[derive(Asset, TypePath, Debug, Clone, PartialEq)]
 pub struct FurExtension {
     /// Where strands stand, in the space of the mesh: see [`Fur`].
     pub strands: Fur,
@@ -55,33 +63,80 @@ impl FurExtension {
 }
 
 /// A [`FurExtension`] as `fur.wesl` takes it.
-#[derive(Debug, Clone, Copy, ShaderType)]
-struct FurUniform {
-    /// Bend and height.
-    bend: Vec4,
-    /// Spacing, radius, taper and variation.
-    strands: Vec4,
-    /// The width of a pixel from which strands give way to their mean, the light at roots, the
-    /// variation of brightness.
-    look: Vec4,
-    root: Vec4,
-    tip: Vec4,
-    /// Points of a cell and seed.
-    counts: UVec4,
+#[derive(AsBindGroup)]
+pub struct Bound {
+    #[uniform(100)]
+    look: [UVec4; 5],
+    #[uniform(101)]
+    ends: [Vec4; 2],
+    #[texture(102, dimension = "3d", sample_type = "u_int")]
+    table: Handle<Image>,
 }
 
-impl From<&FurExtension> for FurUniform {
-    fn from(of: &FurExtension) -> Self {
-        let fur = &of.strands;
-        let [x, y, z] = fur.bend.to_array();
-        Self {
-            bend: Vec4::new(x, y, z, fur.height),
-            strands: Vec4::new(fur.spacing, fur.radius, fur.taper, fur.variation),
-            look: Vec4::new(FINE * fur.spacing, of.dark, of.vary, 0.0),
-            root: of.root.to_vec4(),
-            tip: of.tip.to_vec4(),
-            // Each point costs eight hashes a step.
-            counts: UVec4::new(fur.per_cell.min(MAX_PER_CELL), fur.seed, 0, 0),
+impl AsBindGroup for FurExtension {
+    type Data = ();
+    type Param = <Bound as AsBindGroup>::Param;
+
+    fn label() -> &'static str {
+        "fur"
+    }
+
+    fn bind_group_data(&self) {}
+
+    fn build_bind_group(
+        &self,
+        layout: &BindGroupLayout,
+        device: &RenderDevice,
+        param: &mut SystemParamItem<Self::Param>,
+        no_bindless: bool,
+        output: &mut BindGroupBuilder,
+    ) -> Result<(), AsBindGroupError> {
+        // Bevy lights it: of casca-fur's light only the dark at roots is used.
+        let words = look(&self.strands, &Material { root: self.dark, ..Material::default() }, self.vary);
+        let bound = Bound {
+            look: std::array::from_fn(|i| UVec4::from_slice(&words[4 * i..])),
+            ends: [self.root.to_vec4(), self.tip.to_vec4()],
+            table: table_of(&self.strands).into(),
+        };
+        bound.build_bind_group(layout, device, param, no_bindless, output)
+    }
+
+    fn bind_group_layout_entries(device: &RenderDevice, no_bindless: bool) -> Vec<BindGroupLayoutEntry> {
+        Bound::bind_group_layout_entries(device, no_bindless)
+    }
+}
+
+/// The first half of the names of tables.
+const TABLES: u64 = 0x6361_7363_6166_7574;
+
+/// The name of the table of some strands, which furs may share.
+fn table_of(fur: &Fur) -> Uuid {
+    Uuid::from_u64_pair(TABLES, u64::from(fur.seed) << 32 | u64::from(fur.per_cell.min(MAX_PER_CELL)))
+}
+
+/// Makes the tables that materials need, and drops those that none needs any more.
+pub(crate) fn make_tables(
+    materials: Res<Assets<FurMaterial>>,
+    mut images: ResMut<Assets<Image>>,
+    mut made: Local<BTreeSet<Uuid>>,
+) {
+    if !materials.is_changed() {
+        return;
+    }
+    let furs = materials.iter().map(|(_, material)| material.extension.strands);
+    let needed: BTreeMap<Uuid, Fur> = furs.map(|fur| (table_of(&fur), fur)).collect();
+    for old in made.extract_if(.., |table| !needed.contains_key(table)) {
+        images.remove(&Handle::from(old));
+    }
+    for (table, fur) in needed {
+        if made.insert(table) {
+            let bytes = fur.table().into_iter().flat_map(u32::to_le_bytes).collect();
+            let side = PERIOD * TEXELS;
+            let size = Extent3d { width: side, height: side, depth_or_array_layers: side };
+            let (format, usage) = (TextureFormat::R32Uint, RenderAssetUsages::RENDER_WORLD);
+            let image = Image::new(size, TextureDimension::D3, bytes, format, usage);
+            // Such names are never refused.
+            let _ = images.insert(&Handle::from(table), image);
         }
     }
 }
@@ -91,7 +146,7 @@ const SHADER: Handle<Shader> = uuid_handle!("7f0c2a54-4f4b-4f0e-9a43-5d0f3b7f8c1
 
 /// The shader: the rule of strands from casca-fur, and how Bevy draws it.
 pub(crate) fn shader() -> (Handle<Shader>, Shader) {
-    let text = [include_str!("fur.wesl"), STRANDS, WALK, SLAB].concat();
+    let text = [include_str!("fur.wesl"), STRANDS, LOOKUP, SLAB].concat();
     (SHADER, Shader::from_wesl(text, "embedded://bevy_casca_fur/fur.wesl"))
 }
 
@@ -134,12 +189,9 @@ impl MaterialExtension for FurExtension {
             (Mesh::ATTRIBUTE_JOINT_WEIGHT, 6),
             (ATTRIBUTE_FUR_LAYER, 7),
         ];
-        let needed = |attribute: &bevy_mesh::MeshVertexAttribute| {
-            layout.0.contains(attribute.id)
-                || [Mesh::ATTRIBUTE_POSITION.id, Mesh::ATTRIBUTE_NORMAL.id, ATTRIBUTE_FUR_LAYER.id]
-                    .contains(&attribute.id)
-        };
-        let places = all.into_iter().filter(|(attribute, _)| needed(attribute));
+        let needed = [Mesh::ATTRIBUTE_POSITION.id, Mesh::ATTRIBUTE_NORMAL.id, ATTRIBUTE_FUR_LAYER.id];
+        let is_there = |id| layout.0.contains(id) || needed.contains(&id);
+        let places = all.into_iter().filter(|(attribute, _)| is_there(attribute.id));
         let places: Vec<_> = places.map(|(attribute, place)| attribute.at_shader_location(place)).collect();
         // Strands beyond the outline stand on skin that faces away.
         descriptor.primitive.cull_mode = None;

@@ -4,6 +4,7 @@ use bevy_app::{App, Plugin, PostUpdate};
 use bevy_asset::{AssetApp, AssetEventSystems, Assets};
 use bevy_camera::visibility::VisibilitySystems;
 use bevy_ecs::prelude::*;
+use bevy_image::Image;
 use bevy_mesh::Mesh;
 use bevy_pbr::MaterialPlugin;
 use bevy_render::RenderApp;
@@ -12,7 +13,7 @@ use bevy_transform::TransformSystems;
 
 use crate::coat::FurSettings;
 use crate::grow;
-use crate::material::{FurMaterial, shader};
+use crate::material::{FurMaterial, make_tables, shader};
 use crate::store::Store;
 
 /// Gives entities with [`Furry`](crate::Furry) their fur. Add it after `DefaultPlugins`. In an app
@@ -37,6 +38,10 @@ impl Plugin for FurPlugin {
         }
         if !app.world().contains_resource::<Assets<Mesh>>() {
             app.init_asset::<Mesh>();
+        }
+        if app.world().contains_resource::<Assets<Image>>() {
+            // Tables of this frame reach the renderer with their materials.
+            app.add_systems(PostUpdate, make_tables.before(AssetEventSystems));
         }
         app.init_resource::<FurSettings>().init_resource::<Store>();
         // New meshes must be seen by this frame's events, which reach the renderer. What was

@@ -93,9 +93,9 @@ impl Skin {
         if most == 0 {
             return Err(Unfit::TooLarge);
         }
-        let mut corners = positions.iter().map(|&p| Vec3::from_array(p));
-        let first = corners.next().unwrap_or_default();
-        let (low, high) = corners.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+        let corners = positions.iter().map(|&p| Vec3::from_array(p));
+        let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (low, high) = corners.fold(none, |(low, high), p| (low.min(p), high.max(p)));
         Ok(Self { low, high, vertices: vertices as u32, most_layers: most.min(256) as u32, indices })
     }
 
@@ -176,17 +176,15 @@ pub(crate) fn shells_of(mesh: &Mesh, skin: &Skin, layers: u32, reach: Option<f32
         }
     }
     let normals = floats(mesh, Mesh::ATTRIBUTE_NORMAL).unwrap_or_default();
-    let long = |n: Vec3| n.length() > NO_NORMAL;
-    let unit = |&n: &[f32; 3]| Some(Vec3::from_array(n)).filter(|&n| long(n))?.try_normalize();
+    let unit = |&n: &[f32; 3]| Some(Vec3::from_array(n)).filter(|n| n.length() > NO_NORMAL)?.try_normalize();
     let ups: Vec<Option<Vec3>> = normals.iter().map(unit).collect();
     let lengths = lengths(mesh, vertices as usize).ok().flatten();
-    let length_at = |i: usize| lengths.map_or(1.0, |lengths| lengths[i].clamp(0.0, 1.0));
     // Where there is no normal, there is no fur.
-    let length_at = |i: usize| if ups[i].is_some() { length_at(i) } else { 0.0 };
-    let tips_first = || (1..=layers).rev();
-    let layer = |k: u32| (0..ups.len()).map(move |i| (k, i));
-    let marks = tips_first().flat_map(layer).map(|(k, i)| [k as f32, layers as f32, length_at(i)]);
-    all.insert_attribute(ATTRIBUTE_FUR_LAYER, marks.collect::<Vec<[f32; 3]>>());
+    let full = |i: usize| lengths.map_or(1.0, |lengths| lengths[i].clamp(0.0, 1.0));
+    let long: Vec<f32> = (0..ups.len()).map(|i| ups[i].map_or(0.0, |_| full(i))).collect();
+    let layer = |k: u32| long.iter().map(move |&length| [k as f32, layers as f32, length]);
+    let tips_first: Vec<[f32; 3]> = (1..=layers).rev().flat_map(layer).collect();
+    all.insert_attribute(ATTRIBUTE_FUR_LAYER, tips_first);
     let ups: Vec<[f32; 3]> = ups.iter().map(|up| up.unwrap_or(Vec3::Y).to_array()).collect();
     all.insert_attribute(Mesh::ATTRIBUTE_NORMAL, ups.repeat(times));
     let of_layer = |k: u32| skin.indices.iter().map(move |i| i + k * vertices);

@@ -52,8 +52,7 @@ pub(crate) struct Ball {
 impl Ball {
     pub fn around(aabb: &Aabb, place: Affine3A) -> Self {
         let axes = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
-        let lengths = axes.map(|axis| axis.length());
-        let scale = lengths.into_iter().fold(0.0, f32::max);
+        let scale = axes.map(|axis| axis.length()).into_iter().fold(0.0, f32::max);
         let half: Vec3 = aabb.half_extents.into();
         Self { center: place.transform_point3a(aabb.center), radius: half.length() * scale, scale }
     }

@@ -65,8 +65,8 @@ impl Store {
         Some((known.skin.as_ref().ok()?, known.version))
     }
 
-    /// The mesh with layers, made if it is not there yet. None if the mesh below cannot be read any
-    /// more.
+    /// The mesh with layers, which is in use now, made if it is not there yet. None if the mesh
+    /// below cannot be read any more.
     pub fn shells(&mut self, of: Made, meshes: &mut ResMut<'_, Assets<Mesh>>) -> Option<Handle<Mesh>> {
         let known = self.known.get_mut(&of.mesh)?;
         let key = (of.layers, of.reach);
@@ -80,13 +80,5 @@ impl Store {
         let handle = meshes.add(shells);
         known.made.insert(key, (handle.clone(), self.frame));
         Some(handle)
-    }
-
-    /// Notes that a mesh is in use.
-    pub fn keep(&mut self, of: Made) {
-        let used = self.known.get_mut(&of.mesh).and_then(|known| known.made.get_mut(&(of.layers, of.reach)));
-        if let Some((_, used)) = used {
-            *used = self.frame;
-        }
     }
 }

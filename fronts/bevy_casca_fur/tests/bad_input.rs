@@ -178,10 +178,13 @@ fn bald_skin_and_vertices_without_normals_have_no_length() {
 
 #[test]
 fn large_meshes_get_fewer_layers() {
+    let flat = |count| {
+        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0, 0.0, 1.0]; count])
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; count])
+    };
     let count = 1_200_000;
-    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0, 0.0, 1.0]; count])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0]; count]);
+    let mesh = flat(count);
     assert_eq!(shells_of(&mesh, 32).unwrap().count_vertices(), 3 * count);
     let mut app = app();
     camera(&mut app);
@@ -190,8 +193,5 @@ fn large_meshes_get_fewer_layers() {
     run(&mut app, 3);
     assert_eq!(layers(&mut app, animal), Some((3, false)));
     assert!(app.world().get::<Mesh3d>(animal).is_some_and(|mesh| mesh.0 == handle));
-    let huge = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0; 3]; 4_200_000])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0; 3]; 4_200_000]);
-    assert_eq!(shells_of(&huge, 1).err(), Some(Unfit::TooLarge));
+    assert_eq!(shells_of(&flat(4_200_000), 1).err(), Some(Unfit::TooLarge));
 }

@@ -7,6 +7,7 @@ use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{DynamicSkinnedMeshBounds, NoFrustumCulling, RenderLayers, Visibility};
 use bevy_casca_fur::{ATTRIBUTE_FUR_LAYER, Coat, FurMaterial, Furry};
 use bevy_ecs::prelude::*;
+use bevy_image::Image;
 use bevy_light::NotShadowCaster;
 use bevy_math::{Mat4, Quat, Vec3, Vec3A};
 use bevy_mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -47,13 +48,8 @@ fn layers_fall_with_distance() {
         assert!(*layers as f32 <= 2.0 * (pixels / 1.5).ceil(), "{i}: {layers} for {pixels} pixels");
     }
     // Meshes are shared.
-    let meshes: std::collections::BTreeSet<_> = animals
-        .iter()
-        .map(|&a| {
-            let coat = coat(&mut app, a).unwrap();
-            app.world().get::<Mesh3d>(coat).unwrap().id()
-        })
-        .collect();
+    let mut of_coats = app.world_mut().query_filtered::<&Mesh3d, With<Coat>>();
+    let meshes: std::collections::BTreeSet<_> = of_coats.iter(app.world()).map(|mesh| mesh.id()).collect();
     assert!(meshes.len() <= kinds.len(), "{} meshes for {} kinds", meshes.len(), kinds.len());
     // Nearer again: the last animal wakes.
     *app.world_mut().get_mut::<Transform>(animals[23]).unwrap() = Transform::from_xyz(0.0, 1.0, -3.0);
@@ -167,11 +163,7 @@ fn changes_of_meshes_and_materials_are_followed() {
     assert!(extruded(&wide, &fur()).iter().all(|&p| contains(&old, p)));
     // Longer fur.
     let long = Fur { height: 0.5, ..fur() };
-    {
-        let mut materials = app.world_mut().resource_mut::<Assets<FurMaterial>>();
-        let mut material = materials.get_mut(&fur_handle).unwrap();
-        material.extension.strands = long;
-    }
+    grow(&mut app, &fur_handle, long);
     run(&mut app, 2);
     let new = aabb(&app, coat_of);
     assert!(new.half_extents.x > old.half_extents.x + 0.3);
@@ -325,4 +317,22 @@ fn coats_of_posed_skins_have_boxes_around_all_layers() {
     assert!(of_coat.contains::<DynamicSkinnedMeshBounds>());
     assert!(shells(&mut app, animal).contains_attribute(Mesh::ATTRIBUTE_JOINT_INDEX));
     assert!(shells(&mut app, animal).contains_attribute(ATTRIBUTE_FUR_LAYER));
+}
+
+#[test]
+fn tables_of_strands_come_with_materials_are_shared_and_go() {
+    let mut app = app();
+    let (first, second) = (material(&mut app, fur()), material(&mut app, Fur { height: 0.2, ..fur() }));
+    let tables = |app: &mut bevy_app::App| -> Vec<Option<Vec<u8>>> {
+        run(app, 2);
+        app.world().resource::<Assets<Image>>().iter().map(|(_, image)| image.data.clone()).collect()
+    };
+    let bytes = |fur: Fur| Some(fur.table().into_iter().flat_map(u32::to_le_bytes).collect());
+    assert_eq!(tables(&mut app), [bytes(fur())], "fur of any height has the same points");
+    let other = Fur { seed: 7, ..fur() };
+    grow(&mut app, &first, other);
+    let both = tables(&mut app);
+    assert!(both.len() == 2 && both.contains(&bytes(other)) && both.contains(&bytes(fur())));
+    drop(second);
+    assert_eq!(tables(&mut app), [bytes(other)]);
 }

@@ -15,6 +15,7 @@ use casca_fur::gpu::reference::Reference;
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::mesh::Mesh;
 use casca_fur::scenes::animals::Animal;
+use casca_fur::scenes::threads;
 use casca_fur::strands::Fur;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
@@ -109,12 +110,6 @@ fn study(gpu: &Gpu, animal: &Animal) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-/// Milliseconds that Linux gave to the threads of this process: a software adapter draws with them.
-fn threads() -> f64 {
-    let words = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    words.split(' ').skip(13).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() * 10.0
 }
 
 /// The least time of three, in turn, of the shadow map and of a picture of 640x480 with 16 layers.

@@ -5,7 +5,9 @@ use std::any::TypeId;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::ClearColorConfig;
 use bevy::camera::visibility::VisibleEntities;
+use bevy::core_pipeline::prepass::DepthPrepass;
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::diagnostic::FrameCount;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_casca::{CascaSettings, MaterialsPlugin, Surface};
@@ -18,6 +20,7 @@ use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex};
+use casca_fur::scenes::threads;
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
 use casca_scenes::world;
@@ -36,33 +39,30 @@ const COLOR: Vec3 = Vec3::new(0.55, 0.36, 0.2);
 /// The share of light at roots, and of the skin below the fur.
 const DARK: f32 = 0.3;
 
-/// Frames until all coats are there with their layers.
-pub const SETTLED: u32 = 8;
+/// Frames until all coats are there with their layers; also those whose time is taken.
+const SETTLED: u32 = 8;
 
 /// A ball of radius 1 with fur, alone before a sky, all light from everywhere.
 pub struct Ball {
     mesh: world::Mesh,
     fur: Fur,
     eye: Vec3,
-    target: Vec3,
 }
 
 impl Ball {
-    /// Fur of 15% of the radius, a little bent, seen from nearby.
+    /// Fur of 15% of the radius, bent, in tufts that curl, seen from nearby.
     pub fn new() -> Result<Self, String> {
         let fur = Fur::for_radius(1.0, 0.15, 0.3).map_err(|why| why.to_string())?;
         let bend = glam::Vec3::new(0.0, -0.5, 0.0);
         let eye = Vec3::new(1.6, 1.1, 2.3);
-        let fur = Fur { spacing: 0.05, bend, ..fur };
-        Ok(Self { mesh: world::Mesh::ball(4), fur, eye, target: Vec3::ZERO })
+        let fur = Fur { spacing: 0.05, bend, clump: 0.5, curl: 0.4, ..fur };
+        Ok(Self { mesh: world::Mesh::ball(4), fur, eye })
     }
 
     /// The look of casca-fur with light from everywhere alone.
     fn look(&self) -> Look {
-        let material =
-            Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, root: DARK, ..Material::default() };
-        // As Bevy's material does.
-        Look { material, walked: true, ..Look::new(self.fur) }
+        let dull = Material { diffuse: 0.0, specular: 0.0, ..Material::default() };
+        Look { material: Material { ambient: 1.0, root: DARK, ..dull }, ..Look::new(self.fur) }
     }
 
     fn own_mesh(&self) -> Result<OwnMesh, String> {
@@ -74,8 +74,8 @@ impl Ball {
     }
 
     fn own_camera(&self) -> OwnCamera {
-        let [eye, target] = [self.eye, self.target].map(|v| glam::Vec3::from_array(v.to_array()));
-        OwnCamera::look_at(eye, target, ANGLE, WIDTH as f32 / HEIGHT as f32, 0.1, 50.0)
+        let eye = glam::Vec3::from_array(self.eye.to_array());
+        OwnCamera::look_at(eye, glam::Vec3::ZERO, ANGLE, WIDTH as f32 / HEIGHT as f32, 0.1, 50.0)
     }
 
     /// The picture of casca-fur's own renderer.
@@ -100,8 +100,8 @@ impl Ball {
         Ok(reference.picture(&self.own_camera(), size, 2, &[glam::Vec3::ONE; 2], glam::Vec3::Y))
     }
 
-    /// The picture of Bevy, with its colours stored as casca-fur stores them.
-    pub fn by_bevy(&self, layers: u32) -> Result<Vec<u8>, String> {
+    /// The picture of Bevy, with its colours stored as casca-fur stores them, and the time of a frame.
+    pub fn by_bevy(&self, layers: u32) -> Result<(Vec<u8>, f64), String> {
         let mesh = mesh_of(&self.own_mesh()?);
         let fill = |world: &mut World| {
             let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
@@ -118,22 +118,28 @@ impl Ball {
             world.insert_resource(FurSettings { most_layers: layers, ..default() });
             world.spawn((Mesh3d(mesh), MeshMaterial3d(skin), Furry(fur)));
         };
-        let eye = Transform::from_translation(self.eye).looking_at(self.target, Vec3::Y);
+        let eye = Transform::from_translation(self.eye).looking_at(Vec3::ZERO, Vec3::Y);
         let mut rendered = furry(None, fill, eye)?;
         let (world, camera) = rendered.world_and_camera();
         let sky = sky_pixel().map(|byte| (f32::from(byte) / 255.0).powf(2.2));
         let mut of_camera = world.entity_mut(camera);
         of_camera.insert((Tonemapping::None, DebandDither::Disabled));
+        // A prepass of depths changes nothing.
+        if layers == 8 {
+            of_camera.insert(DepthPrepass);
+        }
         if let Some(mut camera) = of_camera.get_mut::<Camera>() {
             let color = Color::LinearRgba(LinearRgba::rgb(sky[0], sky[1], sky[2]));
             camera.clear_color = ClearColorConfig::Custom(color);
         }
-        let picture = rendered.capture()?;
+        let (picture, time) = timed(&mut rendered)?;
         let coats = coats(&mut rendered);
         if coats != [(layers, true)] {
             return Err(format!("coats with {coats:?} layers instead of one with {layers}"));
         }
-        Ok(picture.iter().map(|&byte| stored_again(byte)).collect())
+        // Of the sRGB curve, to the power that casca-fur uses.
+        let stored = |&byte: &u8| Srgba::gamma_function(f32::from(byte) / 255.0).powf(1.0 / 2.2) * 255.0;
+        Ok((picture.iter().map(|byte| stored(byte).round() as u8).collect(), time))
     }
 }
 
@@ -160,6 +166,17 @@ pub fn furry(
     Ok(rendered)
 }
 
+/// A picture, and the milliseconds of all threads for a frame, from several frames.
+pub fn timed(rendered: &mut Rendered) -> Result<(Vec<u8>, f64), String> {
+    let now = |rendered: &mut Rendered| (threads(), rendered.app().world().resource::<FrameCount>().0);
+    rendered.capture()?;
+    let start = now(rendered);
+    (0..SETTLED).for_each(|_| rendered.app().update());
+    let picture = rendered.capture()?;
+    let end = now(rendered);
+    Ok((picture, (end.0 - start.0) / f64::from(end.1 - start.1)))
+}
+
 /// The layers of all coats, in the order of their animals, and whether the camera draws them.
 pub fn coats(rendered: &mut Rendered) -> Vec<(u32, bool)> {
     let (world, camera) = rendered.world_and_camera();
@@ -172,11 +189,6 @@ pub fn coats(rendered: &mut Rendered) -> Vec<(u32, bool)> {
     let mut all: Vec<(Entity, u32, bool)> = coats.iter(world).map(coat).collect();
     all.sort();
     all.into_iter().map(|(_, layers, drawn)| (layers, drawn)).collect()
-}
-
-/// A byte of the sRGB curve as one of the power that casca-fur uses.
-fn stored_again(byte: u8) -> u8 {
-    (Srgba::gamma_function(f32::from(byte) / 255.0).powf(1.0 / 2.2) * 255.0).round() as u8
 }
 
 /// A mesh of casca-fur, with the colours and lengths of its coat.

@@ -22,15 +22,8 @@ const LAYERS: u32 = 4;
 /// Frames before the first picture, until all pipelines and lists of lights are there.
 const WARM_UP: u32 = 2;
 
-/// One kind of animals: its mesh, its skin and its fur.
-#[derive(Clone)]
-struct Kind {
-    mesh: Handle<Mesh>,
-    skin: Handle<StandardMaterial>,
-    fur: Handle<FurMaterial>,
-    /// From its feet to the origin of its mesh.
-    high: f32,
-}
+/// One kind of animals: from its feet to the origin of its mesh, and what all of it have.
+type Kind = (f32, (Mesh3d, MeshMaterial3d<StandardMaterial>, Furry));
 
 /// Where animals and walls are, and the eyes that look at them.
 pub struct Herd {
@@ -70,9 +63,8 @@ impl Herd {
     fn fill(&self, world: &mut World) {
         let kinds = KINDS.map(|seed| kind(world, seed));
         for (number, place) in &self.animals {
-            let Some(kind) = kinds[*number].clone() else { continue };
-            let place = Transform::from_xyz(0.0, kind.high, 0.0) * *place;
-            world.spawn((Mesh3d(kind.mesh), MeshMaterial3d(kind.skin), Furry(kind.fur), place));
+            let Some((high, animal)) = kinds[*number].clone() else { continue };
+            world.spawn((animal, Transform::from_xyz(0.0, high, 0.0) * *place));
         }
         let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
         let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
@@ -109,10 +101,8 @@ fn kind(world: &mut World, seed: u64) -> Option<Kind> {
     let plain = StandardMaterial { perceptual_roughness: 0.8, ..default() };
     let skin = StandardMaterial { base_color: Color::linear_rgb(0.3, 0.3, 0.3), ..plain.clone() };
     let fur = fur_material(plain, FurExtension::new(Fur { bend, ..fur }));
-    Some(Kind {
-        high: -animal.aabb().min.y,
-        mesh: world.resource_mut::<Assets<Mesh>>().add(mesh_of(own)),
-        skin: world.resource_mut::<Assets<StandardMaterial>>().add(skin),
-        fur: world.resource_mut::<Assets<FurMaterial>>().add(fur),
-    })
+    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh_of(own)));
+    let skin = MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(skin));
+    let fur = Furry(world.resource_mut::<Assets<FurMaterial>>().add(fur));
+    Some((-animal.aabb().min.y, (mesh, skin, fur)))
 }

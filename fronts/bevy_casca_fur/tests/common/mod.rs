@@ -33,6 +33,12 @@ pub fn material(app: &mut App, fur: Fur) -> Handle<FurMaterial> {
     app.world_mut().resource_mut::<Assets<FurMaterial>>().add(material)
 }
 
+/// Gives a material other strands.
+pub fn grow(app: &mut App, of: &Handle<FurMaterial>, strands: Fur) {
+    let mut materials = app.world_mut().resource_mut::<Assets<FurMaterial>>();
+    materials.get_mut(of).unwrap().extension.strands = strands;
+}
+
 pub fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
     app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
 }

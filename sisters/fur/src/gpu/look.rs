@@ -1,12 +1,11 @@
 //! How fur looks: its strands, its layers, and how it is lit.
 
 use crate::mesh::Mesh;
+use crate::shader::look;
 use crate::shading::Material;
-use crate::strands::{Fur, MAX_PER_CELL};
+use crate::strands::Fur;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-
-use crate::numeric::FINE;
 
 /// The fur of all meshes of a renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,28 +27,8 @@ impl Look {
         Self { fur, walked: false, material: Material::default(), vary: 0.22 }
     }
 
-    pub(crate) fn record(&self) -> LookRecord {
-        let (fur, material) = (&self.fur, &self.material);
-        LookRecord {
-            bend: fur.bend.to_array(),
-            height: fur.height,
-            spacing: fur.spacing,
-            radius: fur.radius,
-            taper: fur.taper,
-            variation: fur.variation,
-            clump: fur.clump,
-            curl: fur.curl,
-            per_cell: fur.per_cell.min(MAX_PER_CELL),
-            seed: fur.seed,
-            fine: FINE * fur.spacing,
-            exponent: material.exponent,
-            wrap: material.wrap,
-            dark: material.root,
-            ambient: material.ambient,
-            diffuse: material.diffuse,
-            specular: material.specular,
-            vary: self.vary,
-        }
+    pub(crate) fn words(&self) -> [u32; 20] {
+        look(&self.fur, &self.material, self.vary)
     }
 }
 
@@ -65,30 +44,6 @@ pub fn sky_pixel() -> [u8; 4] {
 /// Linear light as pictures store it, 0 to 1.
 pub(crate) fn stored(light: Vec3) -> Vec3 {
     light.clamp(Vec3::ZERO, Vec3::ONE).powf(1.0 / 2.2)
-}
-
-/// A [`Look`] as the shaders take it.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct LookRecord {
-    bend: [f32; 3],
-    height: f32,
-    spacing: f32,
-    radius: f32,
-    taper: f32,
-    variation: f32,
-    clump: f32,
-    curl: f32,
-    per_cell: u32,
-    seed: u32,
-    fine: f32,
-    exponent: f32,
-    wrap: f32,
-    dark: f32,
-    ambient: f32,
-    diffuse: f32,
-    specular: f32,
-    vary: f32,
 }
 
 /// A vertex as the shaders take it.

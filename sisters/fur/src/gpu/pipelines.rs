@@ -8,7 +8,10 @@ use casca_stage::wgpu::{
 use crate::gpu::buffers::Follower;
 use crate::gpu::look::Corner;
 use crate::gpu::records::Block;
-use crate::shader::{LOOKUP, SLAB, STRANDS, WALK};
+use crate::shader::{LOOKUP, SLAB, STRANDS};
+
+/// In the place of [`LOOKUP`], for studies: a fragment walks along its ray from cell to cell.
+pub(super) const WALK: &str = include_str!("walk.wgsl");
 
 /// The shaders: fragments look one strand up, or walk along their rays for studies.
 pub(super) fn shaders(walked: bool) -> String {
@@ -19,7 +22,6 @@ pub(super) fn shaders(walked: bool) -> String {
         include_str!("surroundings.wgsl"),
         include_str!("pose.wgsl"),
         include_str!("shells.wgsl"),
-        include_str!("paint.wgsl"),
     ]
     .concat()
 }

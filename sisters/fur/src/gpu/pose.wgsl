@@ -31,13 +31,6 @@ fn transformed(rows: array<vec4f, 3>, v: vec4f) -> vec3f {
     return vec3f(dot(rows[0], v), dot(rows[1], v), dot(rows[2], v));
 }
 
-/// The way in the mesh at rest that becomes `way`; nowhere for matrices that flatten.
-fn taken_back(axes: mat3x3f, way: vec3f) -> vec3f {
-    let adjugate = mat3x3f(cross(axes[1], axes[2]), cross(axes[2], axes[0]), cross(axes[0], axes[1]));
-    let det = dot(axes[0], adjugate[0]);
-    return (way * adjugate) * (sign(det) / max(abs(det), 1e-30));
-}
-
 /// A bend with a lean of the world, xyz, no longer than w; with w = 0 there is none. The twin of `Lean::bend`.
 fn leaning(bend: vec3f, lean: vec4f, axes: mat3x3f) -> vec3f {
     if lean.w <= 0.0 {

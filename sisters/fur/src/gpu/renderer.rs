@@ -17,7 +17,7 @@ use casca_tools::camera::Camera;
 use crate::gpu::bindings::{depth_map, group, layouts, strand_map};
 use crate::gpu::buffers::{Buffers, Growing};
 use crate::gpu::error::FurGpuError;
-use crate::gpu::look::{Look, LookRecord, SKY};
+use crate::gpu::look::{Look, SKY};
 use crate::gpu::pipelines::{Pipelines, shaders};
 use crate::gpu::records::{DrawList, Frame, SHADOW_SIZE, Sun};
 
@@ -120,7 +120,7 @@ impl Renderer {
             let sampler = wgpu::BindingResource::Sampler(&sampler);
             group(device, &layouts[0], [frame.as_entire_binding(), map, sampler])
         });
-        let look_buffer = gpu.buffer(size_of::<LookRecord>() as u64, BufferUsages::UNIFORM)?;
+        let look_buffer = gpu.buffer(size_of_val(&look.words()) as u64, BufferUsages::UNIFORM)?;
         let strands = strand_map(device);
         let look_group =
             look_group(device, &layouts[1], [&look_buffer, &records.buffer, &joints.buffer], &strands);
@@ -171,7 +171,7 @@ impl Renderer {
             },
             size,
         );
-        gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look.record()));
+        gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look.words()));
     }
 
     /// Lets a mesh, by its number, be posed ([`DrawList::pose`]).

@@ -3,8 +3,6 @@
 // The highlight of bald skin; as in the reference.
 const WET: f32 = 0.7;
 const WET_EXPONENT: f32 = 140.0;
-// Of so many layers one casts the shadows of all, through a slab as thick: strands show less in shadows.
-const SHADOW_LAYERS: u32 = 4u;
 
 struct Record {
     // Object space to world space.
@@ -50,30 +48,9 @@ struct Corner {
     @location(3) coat: vec4f,
 }
 
-fn height_of(which: vec3u) -> f32 {
-    return f32(which.y) / f32(max(which.z, 1u));
-}
-
 /// The strand next to a texel of the table.
 fn strand_near(texel: vec3i) -> u32 {
     return textureLoad(strands, texel, 0).x;
-}
-
-/// A fragment as if its tuft stood upright.
-fn swayed(in: Shell) -> Shell {
-    let normal = normalize(in.normal);
-    let to = sway(look, in.base, height_of(in.which) * in.coat.w);
-    var out = in;
-    out.base -= (to.way - normal * dot(to.way, normal)) * look.height;
-    out.bend += to.bend;
-    return out;
-}
-
-/// The fur as it is bent here.
-fn bent(bend: vec3f) -> Look {
-    var there = look;
-    there.bend = bend;
-    return there;
 }
 
 /// A vertex of a layer; `rows` go from the mesh at rest to the world.
@@ -81,7 +58,7 @@ fn shell(corner: Corner, rows: array<vec4f, 3>, by_sun: bool) -> Shell {
     var out: Shell;
     out.which = vec3u(corner.which.x, corner.which.y & 0xffffu, corner.which.y >> 16u);
     if by_sun {
-        out.which.z = (out.which.z + SHADOW_LAYERS - 1u) / SHADOW_LAYERS;
+        out.which.z = shadow_layers(out.which.z);
     }
     out.base = corner.base;
     out.corner = corner.base;
@@ -173,7 +150,9 @@ fn skin_colour(in: Shell) -> @location(0) vec4f {
 @fragment
 fn shell_colour(given: Shell) -> @location(0) vec4f {
     let c = change(given);
-    let paint = paint_of(given);
+    // How the coat's colour changes from pixel to pixel.
+    let right = dpdx(given.coat.rgb);
+    let down = dpdy(given.coat.rgb);
     let in = swayed(given);
     let far = length(in.ray);
     let ray = in.ray / max(far, 1e-30);
@@ -184,7 +163,9 @@ fn shell_colour(given: Shell) -> @location(0) vec4f {
     let record = in.which.x;
     let own = 1.0 + look.vary * (2.0 * hit.own - 1.0);
     let tint = mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
-    let colour = own * colour_at(in, c, paint, hit.root) * tint;
+    // The colour of a strand is that of the coat at its root.
+    let pixels = pixels_to(in, c, hit.root);
+    let colour = own * saturate(in.coat.rgb + right * pixels.x + down * pixels.y) * tint;
     let there = bent(in.bend);
     let to_sun = unit_vector(in.sun);
     let along = strand_tangent(there, hit.normal, hit.height);

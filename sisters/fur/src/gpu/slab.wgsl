@@ -8,6 +8,9 @@ const LEAST_CLIMB: f32 = 1e-6;
 // The foot of a ray goes at least so fast along the skin: that of a ray along the normal stays, and has no curve.
 const LEAST_SPEED: f32 = 1e-20;
 
+// Of so many layers one casts the shadows of all, through a slab as thick: strands show less in shadows.
+const SHADOW_LAYERS: u32 = 4u;
+
 /// The strand that a fragment shows, if any: its random number, and where on it the fragment is (0 root, 1 tip).
 struct Seen {
     found: bool,
@@ -27,6 +30,32 @@ struct Change {
     shell: array<vec3f, 2>,
 }
 
+/// The layers in shadow maps, of so many: the lowest.
+fn shadow_layers(layers: u32) -> u32 {
+    return (layers + SHADOW_LAYERS - 1u) / SHADOW_LAYERS;
+}
+
+fn height_of(which: vec3u) -> f32 {
+    return f32(which.y) / f32(max(which.z, 1u));
+}
+
+/// The fur as it is bent here.
+fn bent(bend: vec3f) -> Look {
+    var there = look;
+    there.bend = bend;
+    return there;
+}
+
+/// A fragment as if its tuft stood upright.
+fn swayed(in: Shell) -> Shell {
+    let normal = normalize(in.normal);
+    let to = sway(look, in.base, height_of(in.which) * in.coat.w);
+    var out = in;
+    out.base -= (to.way - normal * dot(to.way, normal)) * look.height;
+    out.bend += to.bend;
+    return out;
+}
+
 /// Must be called by all fragments.
 fn change(in: Shell) -> Change {
     let normal = normalize(in.normal);
@@ -34,6 +63,19 @@ fn change(in: Shell) -> Change {
     return Change(
         array(dpdx(in.base), dpdy(in.base)), array(dpdx(normal), dpdy(normal)), array(dpdx(shell), dpdy(shell)),
     );
+}
+
+/// How many pixels to the right and down a place on the skin is, `way` from the base: what a fragment adds of its colours'
+/// changes to have those at a root.
+fn pixels_to(in: Shell, c: Change, way: vec3f) -> vec2f {
+    let across = cross(c.base[0], c.base[1]);
+    let area = dot(across, across);
+    if area == 0.0 {
+        return vec2f(0.0);
+    }
+    // Colours do not go on changing so far beyond the triangle.
+    let near = way * min(1.0, length(in.corner - in.base) / max(length(way), 1e-30));
+    return vec2f(dot(near, cross(c.base[1], across)), dot(near, cross(across, c.base[0]))) / area;
 }
 
 fn skin_of(base: vec3f, normal: vec3f, c: Change) -> Skin {

@@ -111,6 +111,13 @@ fn sway(look: Look, base: vec3f, height: f32) -> Sway {
     );
 }
 
+/// The way in the mesh at rest that becomes `way`; nowhere for matrices that flatten.
+fn taken_back(axes: mat3x3f, way: vec3f) -> vec3f {
+    let adjugate = mat3x3f(cross(axes[1], axes[2]), cross(axes[2], axes[0]), cross(axes[0], axes[1]));
+    let det = dot(axes[0], adjugate[0]);
+    return (way * adjugate) * (sign(det) / max(abs(det), 1e-30));
+}
+
 /// From a point of the skin to the layer at a height.
 fn extrusion(look: Look, normal: vec3f, height: f32) -> vec3f {
     return (normal * height + bend_at(look, normal) * (height * height)) * look.height;

@@ -7,9 +7,10 @@ use casca_stage::wgpu::{self, BufferUsages};
 use glam::{Mat3, Quat, Vec3, Vec4};
 
 use crate::gpu::look::Look;
+use crate::gpu::pipelines::WALK;
 use crate::gpu::records::rows_of;
 use crate::samples::{ball, dice};
-use crate::shader::{LOOKUP, SLAB, STRANDS, WALK};
+use crate::shader::{LOOKUP, SLAB, STRANDS};
 use crate::shading::kajiya_kay;
 use crate::skin::{Channel, Clip, Ending, Interpolation, Joint, Pose, Skeleton, Track, Weights};
 use crate::strands::{Fur, Lean, Root, hash, roots, unit};
@@ -68,7 +69,7 @@ fn of_points<const N: usize>(
 ) -> Vec<u8> {
     let flat: Vec<f32> = points.iter().flatten().flat_map(|v| v.to_array()).collect();
     let table = filled(gpu, &look.fur.table(), BufferUsages::STORAGE).unwrap();
-    let look = filled(gpu, &[look.record()], BufferUsages::UNIFORM).unwrap();
+    let look = filled(gpu, &look.words(), BufferUsages::UNIFORM).unwrap();
     let flat = filled(gpu, &flat, BufferUsages::STORAGE).unwrap();
     let bound = [(0, &look), (1, &flat), (3, &table)];
     let bound = if shader.0.contains(LOOKUP) { &bound[..] } else { &bound[..2] };
@@ -121,14 +122,6 @@ struct Shell { base: vec3f, normal: vec3f, corner: vec3f, coat: vec4f, which: ve
 @group(0) @binding(1) var<storage, read> rays: array<array<vec4f, 2>>;
 @group(0) @binding(2) var<storage, read_write> found: array<vec4f>;
 @group(0) @binding(3) var<storage, read> strands: array<u32>;
-
-fn bent(bend: vec3f) -> Look {
-    return look;
-}
-
-fn height_of(which: vec3u) -> f32 {
-    return f32(which.y) / f32(which.z);
-}
 
 fn strand_near(texel: vec3i) -> u32 {
     return strands[texel.x + 64 * (texel.y + 64 * texel.z)];
@@ -285,7 +278,7 @@ fn shaders_place_vertices_where_the_processor_does() {
         [other].into_iter().chain(pose.matrices().iter().map(rows_of)).chain([other]).collect();
     let mut taken_back = 0;
     // In one group.
-    let source = [include_str!("pose.wgsl"), VERTICES].concat().replace("@group(1)", "@group(0)");
+    let source = [STRANDS, include_str!("pose.wgsl"), VERTICES].concat().replace("@group(1)", "@group(0)");
     let buffers = [bytemuck::cast_slice::<_, u32>(&given), bytemuck::cast_slice(&rows)]
         .map(|words| filled(&gpu, words, BufferUsages::STORAGE).unwrap());
     let bound = [(0, &buffers[0]), (2, &buffers[1])];

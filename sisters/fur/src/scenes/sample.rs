@@ -5,6 +5,7 @@ use std::io::Cursor;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::skin::{Channel, Skeleton};
+use casca_scenes::export::container;
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbImage};
 use serde_json::{Value, json};
@@ -61,7 +62,8 @@ pub fn character_glb(seed: u64, detail: u32) -> Result<Vec<u8>, Error> {
         "bufferViews": file.views,
         "buffers": [{"byteLength": file.bytes.len()}],
     });
-    Ok(glb(document.to_string().into_bytes(), file.bytes))
+    let (what, count, max) = ("bytes of a file", file.bytes.len() as f64, u32::MAX as usize);
+    container(document, file.bytes).ok_or(Error::TooMany { what, count, max })
 }
 
 /// The side of an animal on the image: seen from the side, head to the right. Both sides show the
@@ -204,18 +206,4 @@ impl File {
         }
         (samplers, channels)
     }
-}
-
-/// A .glb of two chunks.
-fn glb(mut json: Vec<u8>, mut binary: Vec<u8>) -> Vec<u8> {
-    json.resize(json.len().next_multiple_of(4), b' ');
-    binary.resize(binary.len().next_multiple_of(4), 0);
-    let mut file = b"glTF\x02\0\0\0".to_vec();
-    file.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", binary)] {
-        file.extend((chunk.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(chunk);
-    }
-    file
 }

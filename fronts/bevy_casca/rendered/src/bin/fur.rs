@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use bevy::prelude::Transform;
 use bevy_casca::CascaSettings;
-use bevy_casca_rendered::fur::{Ball, coats, rmse};
+use bevy_casca_rendered::fur::{Ball, coats, rmse, timed};
 use bevy_casca_rendered::herd::Herd;
 use bevy_casca_rendered::rendered::{HEIGHT, WIDTH, save};
 use casca_tools::image::halved;
@@ -32,9 +32,6 @@ fn main() -> ExitCode {
     }
 }
 
-/// Frames after which layers follow another eye: what comes into view is planned in the second.
-const FRAMES: u32 = 3;
-
 /// The greatest RMSE between a picture of Bevy's and one of casca-fur's: rounding and another curve
 /// of colours, but no strand that is missing.
 const ALIKE: f64 = 0.004;
@@ -44,10 +41,11 @@ fn ball(arguments: &Arguments) -> Result<(), String> {
     let ball = Ball::new()?;
     let traced = ball.traced()?;
     for layers in [4, 8, 16, 24] {
-        let (bevy, own) = (ball.by_bevy(layers)?, ball.by_casca_fur(layers)?);
+        let ((bevy, time), own) = (ball.by_bevy(layers)?, ball.by_casca_fur(layers)?);
         let half = |picture: &[u8]| halved(picture, (WIDTH, HEIGHT));
         println!(
-            "{layers} layers: Bevy to casca-fur {:.4}; to traced strands Bevy {:.4}, casca-fur {:.4}",
+            "{layers} layers: Bevy to casca-fur {:.4}; to traced strands Bevy {:.4}, casca-fur {:.4}; \
+             {time:.0} ms a frame",
             rmse(&bevy, &own),
             rmse(&half(&bevy), &traced),
             rmse(&half(&own), &traced)
@@ -75,8 +73,8 @@ fn herd(arguments: &Arguments) -> Result<(), String> {
             if let Some(mut at) = world.get_mut::<Transform>(camera) {
                 *at = *eye;
             }
-            (0..FRAMES).for_each(|_| app.app().update());
-            let picture = app.capture()?;
+            let (picture, time) = timed(app)?;
+            println!("eye {i}, {name}: {time:.0} ms a frame");
             save(arguments.out.as_deref(), &format!("herd-{i}-{name}.png"), (WIDTH, HEIGHT), &picture)?;
             pictures.push(picture);
             counts.push(coats(app));
