@@ -100,6 +100,26 @@ fn objects_cost_what_their_bytes_do() {
 }
 
 #[test]
+fn json_costs_what_its_bytes_do() {
+    let list = maps::json("\"opacity\":1", &format!("[{}]", maps::csv()));
+    let read = |more: &str| {
+        within_limits(
+            &list.replace("\"infinite\"", &format!("\"objects\":{more},\"infinite\"")),
+            maps::TILESET,
+        )
+    };
+    for item in ["{}", "{\"\":0}", "{\"layers\":[{}]}", "\"\\n\"", "0"] {
+        assert!(read(&format!("[{item}{}]", format!(",{item}").repeat(100_000))).is_ok(), "{item}");
+    }
+    // Each level of 100 is read again.
+    let (open, close) = ("{\"b\":".repeat(98), "}".repeat(98));
+    assert!(read(&format!("{open}[{}0]{close}", "0,".repeat(400_000))).is_ok());
+    for open in ["[", "{\"b\":"] {
+        assert!(read(&open.repeat(200_000)).unwrap_err().contains("no JSON"));
+    }
+}
+
+#[test]
 fn promises_of_tilesets_cost_nothing() {
     let map = maps::map("encoding=\"csv\"", &maps::csv());
     let whole = result(&map, maps::TILESET).unwrap();

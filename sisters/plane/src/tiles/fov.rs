@@ -22,8 +22,7 @@ use crate::tiles::tile_sweep::TileSweep;
 /// An opaque tile that has the eye inside does not block. An eye on the border of an opaque tile
 /// does not see through it.
 ///
-/// Keeps its memory from run to run: have one for each thread. Takes two bits for each tile of the
-/// map.
+/// Keeps its memory from run to run: have one for each thread. Takes two bits a tile of the map.
 ///
 /// ```
 /// use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
@@ -59,16 +58,15 @@ impl FieldOfView {
     }
 
     /// The tiles that are seen from anywhere in a tile of the map, its border included: a result
-    /// for all viewers in the tile, or for one that moves in it. Exact: each tile that
-    /// [`Self::run`] finds for one of these eyes, and no others.
+    /// for all viewers in the tile, or for one that moves in it. Exact: each tile that [`Self::run`]
+    /// finds for one of these eyes, and no others. Of two free tiles, each sees the other or neither.
     ///
     /// Only where more than 512 groups of lines cross a row in an eighth of all directions, tiles
     /// that no eye sees may be among them: open ground of 4096 by 4096 tiles with a rock in every
     /// 1000 has 258, other maps a few. The range of the options is counted from the nearest eye.
     /// Their sector is not regarded: its apex could be anywhere in the tile.
     ///
-    /// Costs the tiles in sight, like [`Self::run`], in all groups of lines: two to three times as
-    /// much in rooms and caves.
+    /// Costs the tiles in sight in all groups of lines: two to three times [`Self::run`] in rooms.
     ///
     /// # Errors
     /// A tile that the map does not have.
