@@ -27,6 +27,7 @@ fn damaged_maps_are_read_or_refused() {
     let mut files = maps::all();
     let chunk = format!("<chunk x=\"-16\" y=\"3\" width=\"4\" height=\"3\">{}</chunk>", maps::csv());
     let infinite = maps::map("encoding=\"csv\"", &chunk).replace("infinite=\"0\"", "infinite=\"1\"");
+    files.push(infinite.replace("orthogonal", "hexagonal\" hexsidelength=\"4").into());
     files.push(infinite.replace("<group", "<group offsetx=\"16\" offsety=\"-32\"").into());
     files.push(maps::TILESET.into());
     let mut objects = 0;
