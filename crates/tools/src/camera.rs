@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec3, camera};
 
 /// A camera: the exact eye, and the matrices that a renderer uses.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Position of the eye in world space.
     pub eye: Vec3,

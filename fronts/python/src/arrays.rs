@@ -12,6 +12,9 @@ use crate::forms::{Float, Form, Given, Rule, entries, integers, one};
 /// Ids of objects, as an array.
 pub type Keys<'py> = PyResult<Bound<'py, PyArray1<u64>>>;
 
+/// A flag for each of some things, as an array.
+pub type Flags<'py> = PyResult<Bound<'py, PyArray1<bool>>>;
+
 /// A place or a direction, of floats of one of two sizes.
 pub fn place<T: Float, P: From<[T; 3]>>(name: &'static str, object: Given) -> PyResult<P> {
     one(&Form::new(name, &[3], "x, y and z"), object).map(P::from)

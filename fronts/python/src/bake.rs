@@ -16,8 +16,8 @@ use pyo3::types::PyBytes;
 
 use crate::arrays::{cells, place, span};
 use crate::error::{refused, warn};
-use crate::forms::{Form, Given, one};
-use crate::mesh::Told;
+use crate::forms::{Form, Given, cell_number, one, own_threads, queries, threads};
+use crate::mesh::{Progress, Told};
 
 /// The exception for a bake that ended early.
 fn ended(why: BakeError) -> PyErr {
@@ -43,7 +43,7 @@ impl Bake {
     fn progress<T: Send>(
         &self,
         py: Python,
-        progress: Option<Py<PyAny>>,
+        progress: Progress,
         work: impl Send + FnOnce(&mut casca_bake::Progress) -> Result<T, BakeError>,
     ) -> PyResult<T> {
         py.detach(|| {
@@ -68,7 +68,7 @@ impl Bake {
         cell: f32,
         height: Option<Bound<PyAny>>,
         within: Option<Bound<PyAny>>,
-        queries: u32,
+        #[pyo3(from_py_with = queries)] queries: u32,
         grid: Option<f32>,
         solid: bool,
         cell_to_cell: bool,
@@ -123,24 +123,30 @@ impl Bake {
 
     /// Finds the sets of some cells: the bytes of a file with these.
     #[pyo3(signature = (cells, *, threads=1, progress=None))]
-    fn find<'py>(
+    fn find(
         &self,
-        py: Python<'py>,
+        py: Python,
         cells: Given,
-        threads: usize,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyBytes>> {
+        #[pyo3(from_py_with = own_threads)] threads: usize,
+        progress: Progress,
+    ) -> PyResult<Py<PyBytes>> {
         let cells = self::cells(cells)?;
         let bytes = self.progress(py, progress, |progress| {
             let baker = Baker::of(&self.level, self.cells, &cells, self.queries);
             Ok(baker.run(threads, None, progress)?.finish()?)
         })?;
-        Ok(PyBytes::new(py, &bytes))
+        Ok(PyBytes::new(py, &bytes).unbind())
     }
 
     /// Finds the sets of all cells and writes the file.
     #[pyo3(signature = (out, *, threads=0, progress=None))]
-    fn write(&self, py: Python, out: PathBuf, threads: usize, progress: Option<Py<PyAny>>) -> PyResult<()> {
+    fn write(
+        &self,
+        py: Python,
+        out: PathBuf,
+        #[pyo3(from_py_with = threads)] threads: usize,
+        progress: Progress,
+    ) -> PyResult<()> {
         let threads = match threads {
             0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
             threads => threads,
@@ -211,10 +217,10 @@ impl Baked {
     #[new]
     fn new(py: Python, file: PathBuf) -> PyResult<Self> {
         py.detach(|| {
-            let read = std::fs::read(&file);
-            let bytes =
-                read.map_err(|why| PyOSError::new_err(format!("cannot read {}: {why}", file.display())))?;
-            casca_bake::Baked::read(&bytes).map_err(|why| refused(format!("{}: {why}", file.display())))?;
+            let name = file.display();
+            let unread = |why| PyOSError::new_err(format!("cannot read {name}: {why}"));
+            let bytes = std::fs::read(&file).map_err(unread)?;
+            casca_bake::Baked::read(&bytes).map_err(|why| refused(format!("{name}: {why}")))?;
             Ok(Self { bytes })
         })
     }
@@ -226,7 +232,8 @@ impl Baked {
     }
 
     /// The set of a cell; `None` if it has none.
-    fn cell<'py>(&self, py: Python<'py>, number: u32) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+    fn cell<'py>(&self, py: Python<'py>, number: Given) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        let number = cell_number(number)?;
         Ok(self.baked()?.set(number).map(|set| set.iter().collect::<Vec<_>>().into_pyarray(py)))
     }
 

@@ -217,6 +217,35 @@ pub fn whole<'py>(item: Given<'_, 'py>) -> Option<Bound<'py, PyAny>> {
     whole.ok().filter(|_| !item.is_instance_of::<PyBool>())
 }
 
+/// Arguments that are one integer, from the least to the greatest.
+macro_rules! wholes {
+    ($($function:ident, $name:literal, $type:ty, $least:literal..=$most:expr;)*) => {
+        $(pub fn $function(object: Given) -> PyResult<$type> {
+            let kind = || format!("{} must be an integer, not a {}", $name, type_name(object));
+            let whole = whole(object).ok_or_else(|| PyTypeError::new_err(kind()))?;
+            let number = whole.extract().ok().filter(|number| ($least..=$most).contains(number));
+            let number = number.and_then(|number: u64| number.try_into().ok());
+            let (least, most) = ($least, $most);
+            number.ok_or_else(|| refused(format!("{} must lie between {least} and {most}, not {whole}", $name)))
+        })*
+    };
+}
+
+wholes! {
+    queries, "queries", u32, 0..=u64::from(u32::MAX);
+    cell_number, "number", u32, 0..=u64::from(u32::MAX);
+    rays, "rays", u32, 1..=u64::from(casca_lines::samples::MOST_SAMPLES);
+    width, "width", u32, 1..=16_384;
+    height, "height", u32, 1..=16_384;
+    seed, "seed", u64, 0..=u64::MAX;
+    layers, "layers", u64, 0..=u64::MAX;
+    mask, "mask", u64, 0..=u64::MAX;
+    frame, "frame", usize, 0..=u64::MAX;
+    // More threads are a mistake; 0 are those of the machine.
+    threads, "threads", usize, 0..=1024;
+    own_threads, "threads", usize, 1..=1024;
+}
+
 /// The integers of an argument, from 0 to the greatest.
 pub fn integers(form: &Form, object: Given, most: u64) -> PyResult<Vec<u64>> {
     let (array, kind) = array(form, object, "iu", INTEGERS)?;

@@ -14,10 +14,15 @@ use rayon::prelude::*;
 
 use crate::arrays::{place, points};
 use crate::error::{check, refused};
-use crate::forms::{Form, Given, Rule, integers};
+use crate::forms::{Form, Given, Rule, height, integers, rays, width};
 
 /// The radii of hemispheres and tubes, the rays, and whether tubes are solid.
-type How = (f32, Option<f32>, u32, bool);
+type How<R> = (f32, Option<f32>, R, bool);
+
+/// The same, with rays that are so many.
+fn checked((radius, tube, rays, solid): How<Bound<PyAny>>) -> PyResult<How<u32>> {
+    Ok((radius, tube, self::rays(&rays)?, solid))
+}
 
 /// The lines between offsets.
 fn set(points: Given, offsets: Given) -> PyResult<LineSet> {
@@ -39,7 +44,7 @@ fn occlusion(
     (lines, view): (&LineSet, &View),
     fragments: &[Option<Fragment>],
     tube: f32,
-    (radius, given, rays, solid): How,
+    (radius, given, rays, solid): How<u32>,
 ) -> PyResult<Vec<f32>> {
     let options = AoOptions { solid, ..AoOptions::rays(radius, given.unwrap_or(tube)) };
     let sets = (MOST_POINTS / rays.max(1)).clamp(1, 16);
@@ -56,10 +61,11 @@ pub fn line_picture<'py>(
     points: Given<'_, 'py>,
     offsets: Given<'_, 'py>,
     look: [Bound<'py, PyAny>; 3],
-    lens: (f64, [f64; 2], [u32; 2]),
-    how: Option<How>,
+    lens: (f64, [f64; 2], [Bound<'py, PyAny>; 2]),
+    how: Option<How<Bound<'py, PyAny>>>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let (lines, (fov_y, depths, size)) = (set(points, offsets)?, lens);
+    let (size, how) = ([width(&size[0])?, height(&size[1])?], how.map(checked).transpose()?);
     let look: [Vec3; 3] = [place("eye", &look[0])?, place("target", &look[1])?, place("up", &look[2])?];
     let (shown, values) = py.detach(|| {
         let lens = Lens::Perspective { fov_y: fov_y.to_radians() };
@@ -80,8 +86,9 @@ pub fn line_occlusion<'py>(
     points: Given<'_, 'py>,
     offsets: Given<'_, 'py>,
     direction: Given<'_, 'py>,
-    how: How,
+    how: How<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+    let how = checked(how)?;
     let lines = set(points, offsets)?;
     let way: Vec3 = place("direction", direction)?;
     let values = py.detach(|| {

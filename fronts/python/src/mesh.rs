@@ -27,7 +27,7 @@ impl Mesh {
         triangles: Given,
         occludes: bool,
         two_sided: bool,
-        progress: Option<Py<PyAny>>,
+        progress: Progress,
     ) -> PyResult<Self> {
         let positions: Vec<Vec3> = points("positions", positions, Rule::Finite)?;
         let triangles = self::triangles(triangles)?;
@@ -56,15 +56,18 @@ impl Mesh {
     }
 }
 
-/// A callback that is told the share of the work that is done.
+/// What is told the share of the work that is done.
+pub type Progress = Option<Py<PyAny>>;
+
+/// A callback that is told it.
 pub struct Told {
-    callback: Option<Py<PyAny>>,
+    callback: Progress,
     /// What it raised: then the work ends.
     pub raised: Option<PyErr>,
 }
 
 impl Told {
-    pub fn new(callback: Option<Py<PyAny>>) -> Self {
+    pub fn new(callback: Progress) -> Self {
         Self { callback, raised: None }
     }
 
@@ -74,12 +77,10 @@ impl Told {
             py.check_signals()?;
             self.callback.as_ref().map_or(Ok(()), |callback| callback.call1(py, (share,)).map(drop))
         });
-        match asked {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(raised) => {
-                self.raised = Some(raised);
-                ControlFlow::Break(())
-            }
+        if let Err(raised) = asked {
+            self.raised = Some(raised);
+            return ControlFlow::Break(());
         }
+        ControlFlow::Continue(())
     }
 }

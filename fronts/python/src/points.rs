@@ -6,9 +6,9 @@ use casca_points::{Camera, hpr, spacing};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{place, points};
+use crate::arrays::{Flags, place, points};
 use crate::error::refused;
-use crate::forms::{Given, Rule};
+use crate::forms::{Given, Rule, height, width};
 
 /// Hidden point removal.
 #[pyfunction]
@@ -18,7 +18,7 @@ pub fn hidden_point_removal<'py>(
     points: Given<'_, 'py>,
     eye: Given<'_, 'py>,
     log10_radius: f64,
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
+) -> Flags<'py> {
     let points: Vec<DVec3> = self::points("points", points, Rule::Finite)?;
     let eye: DVec3 = place("eye", eye)?;
     let visible = py.detach(|| hpr::visible_points(&points, eye, log10_radius)).map_err(refused)?;
@@ -33,11 +33,12 @@ pub fn splat_visible<'py>(
     eye: Given<'_, 'py>,
     target: Given<'_, 'py>,
     how: (Option<f32>, f32),
-    lens: (f32, (u32, u32), f32, f32),
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    lens: (f32, [Bound<'py, PyAny>; 2], f32, f32),
+) -> Flags<'py> {
     let points: Vec<Vec3> = self::points("points", points, Rule::Finite)?;
     let (eye, target) = (place("eye", eye)?, place("target", target)?);
     let ((radius, bias), (fov_y, size, near, far)) = (how, lens);
+    let size = (width(&size[0])?, height(&size[1])?);
     let camera = Camera::look_at(eye, target, Vec3::Y, fov_y.to_radians(), size, near, far);
     let camera = camera.map_err(refused)?;
     let visible = py

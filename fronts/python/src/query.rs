@@ -5,9 +5,9 @@ use casca::{Light, Method, ObjectId, PointOptions};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Keys, place};
+use crate::arrays::{self, Flags, Keys, place};
 use crate::error::{check, refused};
-use crate::forms::{Given, Rule};
+use crate::forms::{Given, Rule, own_threads};
 use crate::scene::Scene;
 use crate::view::View;
 
@@ -18,9 +18,6 @@ pub struct Query {
     /// Another one, for lights.
     light: casca::Query,
 }
-
-/// A flag for each of some places, as an array.
-type Flags<'py> = PyResult<Bound<'py, PyArray1<bool>>>;
 
 /// The method with a name.
 pub fn method(name: &str, preset: Option<&str>, pixel_degrees: Option<f32>) -> PyResult<Method> {
@@ -33,11 +30,7 @@ pub fn method(name: &str, preset: Option<&str>, pixel_degrees: Option<f32>) -> P
         Some("fast") => PointOptions::fast(),
         Some("balanced") => PointOptions::balanced(),
         Some("tight") => PointOptions::tight(),
-        Some(other) => {
-            return Err(refused(format!(
-                "the preset must be \"fast\", \"balanced\" or \"tight\", not {other:?}"
-            )));
-        }
+        Some(it) => return Err(refused(format!("preset must be 'fast', 'balanced' or 'tight', not {it:?}"))),
     };
     if let Some(degrees) = pixel_degrees {
         options = options.pixel_degrees(degrees);
@@ -130,15 +123,13 @@ pub fn run_many<'py>(
     method: &str,
     preset: Option<&str>,
     pixel_degrees: Option<f32>,
-    threads: Option<usize>,
+    threads: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Bound<'py, PyArray1<u64>>>> {
     use rayon::prelude::*;
     let query = casca::Query::with_method(self::method(method, preset, pixel_degrees)?).map_err(refused)?;
     let views: Vec<casca::View> = views.iter().map(|view| view.view.clone()).collect();
-    check(threads != Some(0) && threads.is_none_or(|n| n <= 1024), || {
-        "threads must lie between 1 and 1024".into()
-    })?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(refused)?;
+    let threads = threads.map_or(Ok(0), |threads| own_threads(&threads))?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(refused)?;
     let scene = &scene.scene;
     let find = |query: &mut casca::Query, view: &casca::View| query.run(scene, view).visible().to_vec();
     let sets: Vec<Vec<ObjectId>> =

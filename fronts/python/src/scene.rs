@@ -7,15 +7,15 @@ use casca::glam::DVec3;
 use casca::{Aabb, Bounds, Instance, ObjectDesc, ObjectId, Occluder};
 use casca_scenes::drive::Driver;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::world::{Camera, World};
+use casca_scenes::world::World;
 use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Keys, place};
+use crate::arrays::{self, Flags, Keys, place};
 use crate::error::{check, refused, refused_at, warn};
-use crate::forms::{Given, Rule, whole};
-use crate::mesh::{Mesh, Told};
+use crate::forms::{Given, Rule, frame, layers, seed, whole};
+use crate::mesh::{Mesh, Progress, Told};
 use crate::query::Query;
 use crate::view::View;
 
@@ -34,7 +34,7 @@ pub fn names() -> Vec<&'static str> {
 
 impl Scene {
     /// A scene with the objects of a test scene.
-    fn of(py: Python, world: World, cell: Option<f32>, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+    fn of(py: Python, world: World, cell: Option<f32>, progress: Progress) -> PyResult<Self> {
         let cell = cell.unwrap_or(world.grid.cell);
         let scene = py.detach(|| {
             let mut told = Told::new(progress);
@@ -132,12 +132,7 @@ impl Scene {
     /// A scene from a glTF 2.0 file.
     #[staticmethod]
     #[pyo3(signature = (path, *, cell=None, progress=None))]
-    fn from_gltf(
-        py: Python,
-        path: PathBuf,
-        cell: Option<f32>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Self> {
+    fn from_gltf(py: Python, path: PathBuf, cell: Option<f32>, progress: Progress) -> PyResult<Self> {
         let mut world = py.detach(|| casca_scenes::import::load(&path)).map_err(|why| match &why.why {
             casca_scenes::import::Trouble::Read(_) => PyOSError::new_err(why.to_string()),
             _ => refused(&why),
@@ -154,10 +149,10 @@ impl Scene {
     fn generate(
         py: Python,
         name: &str,
-        seed: u64,
+        #[pyo3(from_py_with = seed)] seed: u64,
         scale: f32,
         cell: Option<f32>,
-        progress: Option<Py<PyAny>>,
+        progress: Progress,
     ) -> PyResult<Self> {
         let kind = SceneKind::ALL.into_iter().find(|kind| kind.name() == name);
         let kind =
@@ -177,7 +172,7 @@ impl Scene {
         occludes: bool,
         moves: bool,
         max_speed: Option<f32>,
-        layers: u64,
+        #[pyo3(from_py_with = layers)] layers: u64,
     ) -> Keys<'py> {
         let shapes = arrays::boxes(boxes, Rule::Finite)?;
         let shapes = shapes.into_iter().map(|b| (b.into(), occludes.then_some(b.into())));
@@ -193,7 +188,7 @@ impl Scene {
         occludes: bool,
         moves: bool,
         max_speed: Option<f32>,
-        layers: u64,
+        #[pyo3(from_py_with = layers)] layers: u64,
     ) -> Keys<'py> {
         let shapes = arrays::spheres(spheres)?;
         let shapes = shapes.into_iter().map(|s| (s.into(), occludes.then_some(s.into())));
@@ -209,7 +204,7 @@ impl Scene {
         transforms: Given,
         moves: bool,
         max_speed: Option<f32>,
-        layers: u64,
+        #[pyo3(from_py_with = layers)] layers: u64,
     ) -> Keys<'py> {
         let mut shapes = Vec::new();
         for (index, place) in arrays::affines(transforms)?.into_iter().enumerate() {
@@ -287,11 +282,7 @@ impl Scene {
 
     /// Which objects hide others.
     #[pyo3(signature = (ids=None))]
-    fn occluders<'py>(
-        &self,
-        py: Python<'py>,
-        ids: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    fn occluders<'py>(&self, py: Python<'py>, ids: Option<Bound<'py, PyAny>>) -> Flags<'py> {
         let ids = self.ids_or_all(ids)?;
         let hides = |id: &ObjectId| Ok(self.scene.occluder(*id).map_err(refused)?.is_some());
         Ok(PyArray1::from_vec(py, ids.iter().map(hides).collect::<PyResult<_>>()?))
@@ -305,7 +296,7 @@ impl Scene {
 
     /// The camera of a frame of that path.
     #[pyo3(signature = (frame, *, aspect=16.0 / 9.0))]
-    fn path_view(&self, frame: usize, aspect: f32) -> PyResult<View> {
+    fn path_view(&self, #[pyo3(from_py_with = frame)] frame: usize, aspect: f32) -> PyResult<View> {
         let world = self.world.as_ref().filter(|world| frame < world.frames);
         let world = world
             .ok_or_else(|| refused(format!("the path has {} frames, not {frame}", self.path_length())))?;
@@ -329,8 +320,7 @@ impl Scene {
     /// A view in coordinates relative to a place of the file or world.
     fn view(&self, at: Given, view: &View) -> PyResult<View> {
         let at = place::<f64, DVec3>("at", at)? - self.of_file();
-        let moved = |camera: Camera| camera.at(camera.eye + (at - self.scene.origin()).as_vec3());
-        Ok(View { view: self.scene.view(at, &view.view).map_err(refused)?, camera: view.camera.map(moved) })
+        view.carried(at - self.scene.origin())
     }
 
     /// The corners of a box around all objects; None if there are none.

@@ -9,7 +9,8 @@ use casca_truth::oracle::{Oracle, OracleOptions};
 use pyo3::prelude::*;
 
 use crate::arrays::{self, Keys};
-use crate::error::{check, refused};
+use crate::error::refused;
+use crate::forms::{height, width};
 use crate::scene::Scene;
 use crate::view::View;
 
@@ -20,14 +21,12 @@ pub fn exact_visible<'py>(
     py: Python<'py>,
     scene: PyRef<'py, Scene>,
     view: &View,
-    width: usize,
-    height: usize,
+    #[pyo3(from_py_with = width)] width: u32,
+    #[pyo3(from_py_with = height)] height: u32,
 ) -> Keys<'py> {
     let camera =
         view.camera.ok_or_else(|| refused("exact visibility needs a view by look_at or path_view"))?;
-    check((1..=16_384).contains(&width) && (1..=16_384).contains(&height), || {
-        format!("width and height must lie between 1 and 16384, not {width} x {height}")
-    })?;
+    let [width, height] = [width, height].map(|side| side as usize);
     let scene = &scene.scene;
     let (objects, ids) = objects(scene)?;
     let options = OracleOptions { width, height, samples_per_object: 0, ..OracleOptions::default() };

@@ -1,13 +1,14 @@
 """What arguments may be: any array or list of the shape; all else is refused by its name."""
 
 import array
+import os
 import pathlib
 import re
 
 import casca
 import numpy as np
 import pytest
-from casca import plane, points
+from casca import lines, plane, points
 from conftest import floors
 
 BOXES = np.array([[[1, 1, 1], [2, 2, 2]], [[3, 3, 3], [4, 5, 6]]], np.float32)
@@ -203,6 +204,68 @@ def test_indices_are_integers():
             casca.Mesh(corners, wrong)
 
 
+class Index:
+    def __index__(self):
+        return 3
+
+
+def whole():
+    """For each integer that the package takes: its name, a call with it, and whether 0 is one."""
+    scene, floor = casca.Scene(1.0), floors()
+    path = casca.Scene.generate("spheres", scale=0.02)
+    options = {"content": floor, "cell": 3.0, "height": (0.5, 2)}
+    bake = casca.bake.Bake("a.glb", queries=4, **options)
+    two, look = ([(0, 0, 0), (1, 0, 0)], [0, 2]), ((0, 0, 4), (0, 0, 0))
+    view, mesh = casca.View.look_at(EYE, TARGET), casca.Mesh(np.eye(3), [(0, 1, 2)])
+    sides = {"width": 8, "height": 8}
+    calls = [
+        ("queries", lambda n: casca.bake.Bake("a.glb", queries=n, **options), True),
+        ("threads", lambda n: bake.find([0], threads=n), False),
+        ("threads", lambda n: bake.write("/dev/full/out", threads=n), True),
+        ("threads", lambda n: casca.run_many(scene, [view], threads=n), False),
+        ("seed", lambda n: casca.Scene.generate("spheres", scale=0.01, seed=n), True),
+        ("layers", lambda n: scene.insert_boxes(BOXES, layers=n), True),
+        ("layers", lambda n: scene.insert_spheres([[5, 5, 5, 1]], layers=n), True),
+        ("layers", lambda n: scene.insert_meshes(mesh, np.eye(4)[None], layers=n), True),
+        ("mask", view.with_layers, True),
+        ("frame", path.path_view, True),
+        ("rays", lambda n: lines.ambient_occlusion(*two, rays=n), False),
+        ("rays", lambda n: lines.picture(*two, *look, rays=n, **sides), False),
+        ("cells_per_task", lambda n: casca.bake.on_dask(Nobody, "rooms", "out", cells_per_task=n, cell=40.0), False),
+    ]
+    for side in sides:
+        calls += [
+            (side, lambda n, side=side: casca.exact_visible(scene, view, **(sides | {side: n})), False),
+            (side, lambda n, side=side: lines.picture(*two, *look, **(sides | {side: n})), False),
+            (side, lambda n, side=side: points.splat_visible(np.eye(3), EYE, TARGET, radius=1, **(sides | {side: n})), False),
+        ]
+    return calls
+
+
+class Nobody:
+    """A client that has no workers."""
+
+    def submit(*given, **named):
+        raise OSError("there is nobody")
+
+
+@pytest.mark.parametrize(("name", "call", "zero"), [pytest.param(*one, id=one[0]) for one in whole()])
+def test_integers_are_checked(name, call, zero):
+    for wrong in (1.0, np.float32(1), True, np.True_, "1", [1], 1j, object()):
+        with pytest.raises(TypeError, match=f"^{name} must be an integer, not a {type(wrong).__name__}"):
+            call(wrong)
+    for wrong in (-1, 2**64, 2**64 + 3, -(2**64) + 3, 10**400, np.int8(-3), *([] if zero else [0])):
+        if name == "cells_per_task" and wrong > 0:
+            continue
+        with pytest.raises(casca.Error, match=rf"^{name} must .*, not {int(wrong)}"):
+            call(wrong)
+    for good in (3, np.uint8(3), np.int64(3), Index()):
+        try:
+            call(good)
+        except OSError:
+            pass
+
+
 def test_a_box_around_a_mesh_does_not_hide(scene):
     mesh = casca.Mesh(np.eye(3), [(0, 1, 2)])
     (placed,) = scene.insert_meshes(mesh, np.eye(4)[None])
@@ -238,7 +301,10 @@ def test_paths_of_all_kinds(level, tmp_path):
     (tmp_path / "level.glb").write_bytes(level.read_bytes())
     options = {"cell": 3.0, "height": [0.5, 2], "within": [(0, 0, 0), (9, 2, 9)], "queries": 4}
     written = set()
-    for way in (str, pathlib.Path, lambda name: Place(pathlib.Path(name).name)):
+    # Names of files need not be text.
+    bytes_of_no_text = lambda name: tmp_path / (os.fsdecode(b"\xff") + pathlib.Path(name).name)
+    bytes_of_no_text("level.glb").write_bytes(level.read_bytes())
+    for way in (str, pathlib.Path, lambda name: Place(pathlib.Path(name).name), bytes_of_no_text):
         bake = casca.bake.Bake(way(tmp_path / "level.glb"), **options)
         bake.write(way(tmp_path / "out"))
         assert len(casca.bake.Baked(way(tmp_path / "out"))) == len(bake) > 0

@@ -231,6 +231,51 @@ def test_dask_after_workers_were_killed(level, tmp_path):
         assert out.read_bytes() == alone.read_bytes()
 
 
+def test_dask_whose_workers_die_again_and_again(level, tmp_path):
+    """Also those that have the same task: Dask itself would end with it at the first."""
+    distributed = pytest.importorskip("distributed")
+    import dask
+
+    options = {"cell": 1.0, "height": (0.5, 2.0), "queries": 16}
+    out, alone = tmp_path / "out", tmp_path / "alone"
+    casca.bake.Bake(level, **options).write(alone)
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        shares, killed = [], set()
+
+        def kill(share):
+            shares.append(share)
+            living = {nanny.pid for nanny in cluster.workers.values()} - killed - {None}
+            if len(shares) in (1, 3, 4, 7) and living:
+                victim = living.pop()
+                os.kill(victim, signal.SIGKILL)
+                killed.add(victim)
+
+        casca.bake.on_dask(client, level, out, cells_per_task=30, progress=kill, **options)
+        assert len(killed) >= 2 and len(shares) > 7 and shares[-1] == 1.0
+        assert out.read_bytes() == alone.read_bytes()
+
+
+def test_dask_with_a_task_that_kills_each_worker(monkeypatch, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        monkeypatch.setattr(casca.bake, "_RETRIES", 1)
+        monkeypatch.setattr(casca.bake, "_find", lambda *task: os.kill(os.getpid(), signal.SIGKILL))
+        with pytest.raises(distributed.KilledWorker):
+            casca.bake.on_dask(client, "rooms", tmp_path / "out", cells_per_task=100, **ROOMS)
+    assert os.listdir(tmp_path) == []
+
+
 def test_dask_out_of_reach(tmp_path):
     distributed = pytest.importorskip("distributed")
     with pytest.raises(OSError):

@@ -1,6 +1,8 @@
 """Scenes, views and queries, judged by exact visibility."""
 
+import copy
 import gc
+import pickle
 import threading
 
 import casca
@@ -192,6 +194,35 @@ def test_reach_and_turn_hold_for_eyes_near_by():
         step /= np.linalg.norm(step)
         near = casca.View.look_at(eye + 0.99 * step, target + 0.99 * step)
         assert set(casca.exact_visible(scene, near, width=320, height=180)) <= seen
+
+
+def test_views_travel_and_compare():
+    scene, _, _, rng = town(4)
+    eye, target = np.array((30, 10, 30.0)), np.array((40, 9, 36.0))
+    camera = casca.View.look_at(eye, target)
+    views = [camera, casca.View.perspective(eye, camera_matrix(eye, target, 60, 2, 0.1, 99)), casca.View.omnidirectional(eye)]
+    scene.origin = (1024.25, 0, -7)
+    changes = [lambda view: view.with_reach(0.7), lambda view: view.with_turn(0.1), lambda view: view.with_layers(2**63 + 1)]
+    changes += [lambda view: scene.view((1054.5, 10, 23), view), lambda view: view.with_layers(1).with_reach(0.7)]
+    views += [change(view) for view in views for change in changes]
+    views += [casca.View.orthographic((0, 0, 1), np.diag([-1 / 20, 1 / 10, 1 / 64, 1.0]))]
+    views += [casca.Scene.generate("rooms", scale=0.1).path_view(3)]
+    for at, view in enumerate(views):
+        again = pickle.loads(pickle.dumps(view))
+        assert again == view == copy.deepcopy(view) and hash(again) == hash(view) and view.eye == again.eye
+        assert [other == again for other in views] == [at == i for i in range(len(views))]
+        assert np.array_equal(casca.Query().run(scene, view), casca.Query().run(scene, again))
+        assert len({*views, again}) == len(views)
+    sees = lambda view: casca.exact_visible(scene, view, width=160, height=90)
+    carried = scene.view((1054.5, 10, 23), camera)
+    assert np.array_equal(sees(pickle.loads(pickle.dumps(carried))), sees(carried))
+    assert camera.with_layers(9).with_layers(7) == camera.with_layers(7) and camera != camera.with_layers(7)
+    assert camera != 3 and camera != camera.eye
+    zeros = [casca.View.omnidirectional((zero, 1, zero)) for zero in (0.0, -0.0)]
+    assert zeros[0] == zeros[1] and hash(zeros[0]) == hash(zeros[1])
+    for wrong in ([], [("camera", [1.0] * 34)], [("reach", [1.0])], [("omnidirectional", [np.nan] * 3)], [("x", [])]):
+        with pytest.raises(casca.Error):
+            casca.View._made(wrong)
 
 
 def test_sight_answers_about_anything():

@@ -124,14 +124,14 @@ def test_bad_options():
     for wrong, why in (
         (lambda: lines.ambient_occlusion(*two, radius=-1), "radius of -1"),
         (lambda: lines.ambient_occlusion(*two, line_radius=np.nan), "radius NaN"),
-        (lambda: lines.ambient_occlusion(*two, rays=0), "0 samples"),
+        (lambda: lines.ambient_occlusion(*two, rays=0), "rays must lie between 1 and 4096, not 0"),
         (lambda: lines.ambient_occlusion(*two, directions=[]), "directions .*one or more"),
         (lambda: lines.ambient_occlusion(*two, directions=[(0, 0)]), r"direction must have shape \(3,\)"),
         (lambda: lines.ambient_occlusion(*two, directions=[(0, 0, 0)]), "direction"),
         (lambda: lines.picture(*two, (0, 0, 0), (0, 0, 0)), "give no view"),
         (lambda: lines.picture(*two, (0, 0, 4), (0, 0, 0), up=(0, 0, 1)), "give no view"),
         (lambda: lines.picture(*two, (0, 0, np.nan), (0, 0, 0)), "eye"),
-        (lambda: lines.picture(*two, (0, 0, 4), (0, 0, 0), width=0), "0 x 720"),
+        (lambda: lines.picture(*two, (0, 0, 4), (0, 0, 0), width=0), "width must lie between 1 and 16384, not 0"),
         (lambda: lines.picture(*two, (0, 0, 4), (0, 0, 0), fov_y=180), "angles lie between"),
     ):
         with pytest.raises(casca.Error, match=why):

@@ -33,6 +33,29 @@ def test_tiles_that_rays_reach_are_seen(seed):
     assert (right <= seen).all() and not right[:, :18].any() and right[11, 20]
 
 
+@pytest.mark.parametrize("radius", [None, 6])
+def test_a_symmetric_field_of_view(radius):
+    rng = np.random.default_rng(5)
+    walls = rng.random((11, 13)) < 0.3
+    free = np.argwhere(~walls)
+    tile = lambda y, x, **how: plane.field_of_view(walls, (x + 0.5, y + 0.5), radius=radius, **how)
+    seen = {(y, x): tile(y, x, symmetric=True) for y, x in free}
+    lone = {(y, x): tile(y, x) for y, x in free}
+    ways = lambda fields: [fields[tuple(a)][tuple(b)] for a in free for b in free]
+    back = lambda fields: [fields[tuple(b)][tuple(a)] for a in free for b in free]
+    assert ways(seen) == back(seen) and ways(lone) != back(lone)
+    for (y, x), field in seen.items():
+        assert (lone[y, x] <= field).all()
+        eye = (x + rng.random(), y + rng.random())
+        assert (plane.field_of_view(walls, eye, radius=radius) <= field).all()
+        assert np.array_equal(plane.field_of_view(walls, eye, radius=radius, symmetric=True), field)
+    for wrong in ((-0.1, 3), (3, -0.1), (13, 3), (3, 11)):
+        with pytest.raises(casca.Error, match="eye must lie on the map of 13 x 11 tiles"):
+            plane.field_of_view(walls, wrong, symmetric=True)
+    with pytest.raises(casca.Error, match="has no direction"):
+        plane.field_of_view(walls, (3, 3), symmetric=True, direction=(1, 0), half_angle=1)
+
+
 def test_a_wall_cuts_the_region():
     walls = [[(2, 4), (6, 4)], [(0, 0), (8, 0)]]
     region = plane.visible_region(walls, (4, 2), 100)

@@ -55,7 +55,7 @@ impl Drawing {
         drawing
     }
 
-    /// The map in a file: a map of Tiled (`.tmx`), or a drawing with letters. The contents decide,
+    /// The map in a file: a map of Tiled (`.tmx`, `.tmj`), or a drawing with letters. The contents decide,
     /// and not the name.
     ///
     /// In maps of Tiled, objects of the class or name `guard` are guards, and one `start`, `player`
@@ -68,7 +68,7 @@ impl Drawing {
         let name = &path.display().to_string();
         let bytes = file(path).map_err(|why| MapError::File { file: name.clone(), why })?;
         let text = utf8(&bytes, name)?;
-        if text.trim_start().starts_with('<') {
+        if text.trim_start().starts_with(['<', '{']) {
             return Ok(Self::tiled(TmxImport::default().parse_at(path, &bytes)?));
         }
         let refused = |why: &str| Err(MapError::damaged(name, 1, why));
@@ -76,10 +76,9 @@ impl Drawing {
         let (all, walls) = (shown().count(), shown().filter(|&c| c == '#').count());
         let words = shown().filter(|c| c.is_alphanumeric()).count();
         let is_prose = 2 * words > all && LETTERS_OF_A_WALL * walls < all;
-        if is_prose || text.trim_start().starts_with('{') || shown().any(|c| c.is_ascii_control()) {
+        if is_prose || shown().any(|c| c.is_ascii_control()) {
             return refused(
-                "it is no map: those of Tiled are saved as .tmx (not as JSON), and those drawn with letters \
-                 have walls (#)",
+                "it is no map: those of Tiled are .tmx or .tmj, those drawn with letters have walls (#)",
             );
         }
         // Old files end lines with a carriage return alone.
@@ -102,9 +101,8 @@ impl Drawing {
         let mut drawing = Self { walls: map.walls, warnings: map.warnings, ..Self::default() };
         let others = map.objects.iter().filter(|object| object.role == Role::Wall).count();
         if others > 0 {
-            let warning =
-                format!("{others} walls are no whole tiles: they are left out here, and hide nothing");
-            drawing.warnings.push(warning);
+            let what = "walls are no whole tiles: they are left out here, and hide nothing";
+            drawing.warnings.push(format!("{others} {what}"));
         }
         for object in &map.objects {
             let around = object.bounds.bounds();

@@ -27,6 +27,7 @@ fn damaged_maps_are_read_or_refused() {
     let mut files = maps::all();
     let chunk = format!("<chunk x=\"-16\" y=\"3\" width=\"4\" height=\"3\">{}</chunk>", maps::csv());
     let infinite = maps::map("encoding=\"csv\"", &chunk).replace("infinite=\"0\"", "infinite=\"1\"");
+    files.push(infinite.replace("orthogonal", "hexagonal\" hexsidelength=\"4").into());
     files.push(infinite.replace("<group", "<group offsetx=\"16\" offsety=\"-32\"").into());
     files.push(maps::TILESET.into());
     let mut objects = 0;
@@ -97,6 +98,26 @@ fn objects_cost_what_their_bytes_do() {
     let groups =
         format!("<x/></objectgroup>{}{}<objectgroup>", "<group>".repeat(90_000), "</group>".repeat(90_000));
     assert_eq!(read_objects("o", &groups), (1, 0));
+}
+
+#[test]
+fn json_costs_what_its_bytes_do() {
+    let list = maps::json("\"opacity\":1", &format!("[{}]", maps::csv()));
+    let read = |more: &str| {
+        within_limits(
+            &list.replace("\"infinite\"", &format!("\"objects\":{more},\"infinite\"")),
+            maps::TILESET,
+        )
+    };
+    for item in ["{}", "{\"\":0}", "{\"layers\":[{}]}", "\"\\n\"", "0"] {
+        assert!(read(&format!("[{item}{}]", format!(",{item}").repeat(100_000))).is_ok(), "{item}");
+    }
+    // Each level of 100 is read again.
+    let (open, close) = ("{\"b\":".repeat(98), "}".repeat(98));
+    assert!(read(&format!("{open}[{}0]{close}", "0,".repeat(400_000))).is_ok());
+    for open in ["[", "{\"b\":"] {
+        assert!(read(&open.repeat(200_000)).unwrap_err().contains("no JSON"));
+    }
 }
 
 #[test]

@@ -58,7 +58,8 @@ fn opened(bytes: &[u8]) -> Result<Drawing, String> {
 #[test]
 fn files_that_are_no_maps_are_refused_by_their_contents() {
     let prose = "The quick brown fox jumps over the lazy dog.\n# A heading\nAnd more words follow here, one by one.\n";
-    for bytes in [b"{\"a\": 1}".as_slice(), b"\x01\x02", b"1,1,1,1\n1,0,0,1\n", prose.as_bytes()] {
+    assert!(opened(b"{\"a\": 1}").unwrap_err().contains("no element map"));
+    for bytes in [b"\x01\x02".as_slice(), b"1,1,1,1\n1,0,0,1\n", prose.as_bytes()] {
         let why = opened(bytes).unwrap_err();
         assert!(why.contains("no map"), "{why}");
     }

@@ -1,12 +1,6 @@
 //! A walk on a map that nobody knows: the fog lifts where the walker looks, and doors in its way are
 //! opened. Prints what the walker knows in the end: tiles in sight, tiles that it remembers (`,`), and
-//! the guards that it sees.
-//!
-//! ```sh
-//! cargo run --release -p casca-plane --example fog                 # a harbour, 240 steps
-//! cargo run --release -p casca-plane --example fog -- rooms 500
-//! cargo run --release -p casca-plane --example fog -- FILE 100     # .tmx, or letters
-//! ```
+//! the guards that it sees. Takes a map (`harbour`, `rooms`, or a file) and the number of steps.
 
 use std::collections::{HashMap, VecDeque};
 use std::error::Error;

@@ -61,9 +61,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let disc = |at: Vec2, radius: f32, color: &str| {
         let (x, y, radius) = (at.x * TILE, at.y * TILE, radius * TILE);
-        format!(
-            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{color}\" stroke=\"#111\" stroke-width=\"1\"/>\n"
-        )
+        let circle = format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{color}\"");
+        circle + " stroke=\"#111\" stroke-width=\"1\"/>\n"
     };
     let Vec2 { x, y } = dims.as_vec2() * TILE;
     let mut svg = format!(

@@ -271,8 +271,8 @@ fn assert_near(cloud: &PointCloud, others: &PointCloud, moved: DVec3, most: f64)
 #[test]
 fn scans_are_read_to_their_resolution() {
     let expected = helix(300);
-    let moved = e57(300, true, Some(1.0));
-    let scans = [(las(300, 2, 0, false), 0.0, 6e-4), (las(300, 2, 0, true), 0.0, 6e-4), (moved, 1.0, 5e-5)];
+    let [plain, packed] = [false, true].map(|packed| las(300, 2, 0, packed));
+    let scans = [(plain, 0.0, 6e-4), (packed, 0.0, 6e-4), (e57(300, true, Some(1.0)), 1.0, 5e-5)];
     for (bytes, moved, resolution) in scans {
         let (cloud, _) = parse(&bytes).unwrap();
         assert_near(&cloud, &expected, DVec3::X * moved, resolution * 3_f64.sqrt());
@@ -282,11 +282,9 @@ fn scans_are_read_to_their_resolution() {
 
 #[test]
 fn colours_of_8_and_of_16_bits_are_the_same() {
-    for compressed in [false, true] {
-        for scale in [1, 256, 257] {
-            let (cloud, _) = parse(&las_with_colours(300, 2, 0, compressed, scale)).unwrap();
-            assert_eq!(cloud.colours, helix(300).colours, "times {scale}");
-        }
+    for (compressed, scale) in [1, 256, 257].into_iter().flat_map(|scale| [(false, scale), (true, scale)]) {
+        let (cloud, _) = parse(&las_with_colours(300, 2, 0, compressed, scale)).unwrap();
+        assert_eq!(cloud.colours, helix(300).colours, "times {scale}");
     }
 }
 
@@ -366,10 +364,22 @@ fn headers_of_ply_are_read_as_programs_write_them() {
 }
 
 #[test]
+fn gaussian_splats_have_the_colours_that_they_have_to_all_sides() {
+    let splats = [XYZ, "property float f_dc_2\nproperty float f_dc_0\nproperty float f_dc_1\n"].concat();
+    let points = "1 2 3 -1.7724539 0 1.7724539\n1 2 4 9 0.3544908 -9\n1 2 5 nan 0 0\n";
+    let colours = sound(text_ply(&splats, points).as_bytes()).colours;
+    assert_eq!(
+        colours,
+        [[128, 255, 0], [153, 0, 255], [128, 128, 0]],
+        "black at -sqrt(pi), white at sqrt(pi)"
+    );
+}
+
+#[test]
 fn a_line_that_is_wrong_is_left_out_with_a_warning() {
     let plain = text_ply(XYZ, "-1 0 0\n0 1 0\n1 0 2.5\n");
-    let two =
-        warned(plain.replace("0 1 0", "0 one 0").as_bytes(), "line 9, vertex 1 of 3: y is no number: one");
+    let wrong = plain.replace("0 1 0", "0 one 0");
+    let two = warned(wrong.as_bytes(), "line 9, vertex 1 of 3: y is no number: one");
     assert_eq!(two.positions, [Vec3::NEG_X, Vec3::new(1.0, 0.0, 2.5)]);
     let said = cause(plain.replace("0 1 0", "0 1").as_bytes());
     assert_eq!(said, "test, line 9, vertex 1 of 3: z is missing; 1 of 3 points could not be read");
@@ -377,8 +387,7 @@ fn a_line_that_is_wrong_is_left_out_with_a_warning() {
     assert_eq!(warned(strange.as_bytes(), "line 3 is none of a PLY header: vendor stuff").len(), 3);
     let short = plain.replace("vertex 3", "vertex 5");
     assert_eq!(warned(short.as_bytes(), "vertex 3 of 5: the file ends here; 2 of 5").len(), 3);
-    let huge = plain.replace("0 1 0", &"x".repeat(30_000));
-    assert!(cause(huge.as_bytes()).len() < 200);
+    assert!(cause(plain.replace("0 1 0", &"x".repeat(30_000)).as_bytes()).len() < 200);
     // Points without a place are none that could not be read.
     let words = "1 nan 0\n1 -nan(ind) 0\n1 1.#QNAN 0\n1 inf 0\n1 -1.#INF 0\n1 2 3\n";
     let (cloud, report) = reported(text_ply(XYZ, words).as_bytes()).unwrap();

@@ -68,7 +68,8 @@ class Mesh:
 
 @final
 class View:
-    """What can be looked at, and from where. Views do not change."""
+    """What can be looked at, and from where. Views do not change. They travel to other processes
+    (pickle), and are equal if they show the same from the same eyes."""
 
     @staticmethod
     def look_at(

@@ -12,12 +12,16 @@ missing. Objects that move are in no set. ``on_dask`` and ``on_ray`` make the sa
 ``Bake(...).write(out)``.
 """
 
+import operator
 import os
 import uuid
 
-from ._casca import Bake, Baked, Merge
+from ._casca import Bake, Baked, Error, Merge
 
 __all__ = ["Bake", "Baked", "Merge", "on_dask", "on_ray"]
+
+# So often a task is done again where workers died with it, besides what a scheduler does by itself.
+_RETRIES = 8
 
 # The level that this process has made ready, by the bake that it is of: its tasks share it.
 _ready = {}
@@ -48,8 +52,12 @@ def _find(bake, level, content, options, cells):
 
 
 def _parts(level, content, options, cells_per_task):
+    kind = type(cells_per_task)
+    if kind is bool or not hasattr(kind, "__index__"):
+        raise TypeError(f"cells_per_task must be an integer, not a {kind.__name__}")
+    cells_per_task = operator.index(cells_per_task)
     if cells_per_task < 1:
-        raise ValueError(f"cells_per_task must be 1 or more, not {cells_per_task}")
+        raise Error(f"cells_per_task must be 1 or more, not {cells_per_task}")
     cells = Bake(level, content=content, **options).cells
     return [cells[at : at + cells_per_task] for at in range(0, len(cells), cells_per_task)]
 
@@ -65,7 +73,7 @@ def _merged(out, parts, count, progress):
 
 def on_dask(client, level, out, *, cells_per_task=16, progress=None, **options):
     """Bakes on the workers of a Dask client."""
-    from distributed import as_completed
+    from distributed import KilledWorker, as_completed
 
     level = os.fspath(level)
     content = _content(level)
@@ -76,8 +84,22 @@ def on_dask(client, level, out, *, cells_per_task=16, progress=None, **options):
         # One worker gets it from here, the others from each other.
         content = client.submit(_same, content, pure=False)
     tasks = [client.submit(_find, bake, level, content, options, part, pure=False) for part in parts]
+
+    def results():
+        left, tries = as_completed(tasks), {}
+        for task in left:
+            try:
+                yield task.result()
+            except KilledWorker:
+                # Dask gives up what was on a few workers that died, be it their fault or not.
+                tries[task] = tries.get(task, 0) + 1
+                if tries[task] > _RETRIES:
+                    raise
+                task.retry()
+                left.add(task)
+
     try:
-        _merged(out, (task.result() for task in as_completed(tasks)), len(tasks), progress)
+        _merged(out, results(), len(tasks), progress)
     finally:
         client.cancel(tasks)
 
@@ -90,7 +112,7 @@ def on_ray(level, out, *, cells_per_task=16, progress=None, **options):
     content = _content(level)
     parts = _parts(level, content, options, cells_per_task)
     # A worker that dies is replaced, and its task is done again.
-    find = ray.remote(max_retries=8)(_find)
+    find = ray.remote(max_retries=_RETRIES)(_find)
     content = ray.put(content)
     bake = uuid.uuid4().hex
     tasks = [find.remote(bake, level, content, options, part) for part in parts]

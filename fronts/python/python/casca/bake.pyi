@@ -127,8 +127,8 @@ def on_dask(
     """Bakes on the workers of a distributed.Client; options are those of Bake.
 
     A level's file travels to each worker once; other files that it names must lie where the worker
-    finds them. Workers need casca. A worker that dies is no matter: Dask gives its tasks to others,
-    and a later call on the same client begins anew. Writes the same bytes as Bake(level, **options).write(out).
+    finds them. Workers need casca. Workers may die again and again: a task is given up, by
+    distributed.KilledWorker, when about ten died that had it. Writes the same bytes as Bake(level, **options).write(out).
     Tasks should take some seconds.
     """
 

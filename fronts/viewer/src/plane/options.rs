@@ -19,7 +19,7 @@ pub(super) const FRAMES: u32 = 90;
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("file", |file| file.help("A map of Tiled (.tmx), or one drawn with letters: # wall, + door, g guard, @ start [default: a harbour]"))
+    mut_arg("file", |file| file.help("A map of Tiled (.tmx, .tmj), or one drawn with letters: # wall, + door, g guard, @ start [default: a harbour]"))
 )]
 pub struct Options {
     /// What all systems take.

@@ -9,7 +9,7 @@ use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 use ruzstd::decoding::StreamingDecoder;
 
-use super::xml::{Element, FORMATS};
+use super::element::FORMATS;
 
 /// Base64 with or without padding at its end.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -20,16 +20,14 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 /// Bytes that Zstandard may look back, which it holds: those that its format asks of each reader.
 const MOST_WINDOW: u64 = 8 << 20;
 
-/// Hands out the ids of exactly `count` tiles with their numbers, of a text that is stored as `data`
-/// says. What is compressed unfolds a buffer at a time, and not behind the last tile.
+/// Hands out the ids of exactly `count` tiles with their numbers, of a text and how it is stored.
+/// What is compressed unfolds a buffer at a time, and not behind the last tile.
 pub fn decode(
-    data: Element<'_>,
     text: &str,
+    [encoding, compression]: [&str; 2],
     count: u64,
-    take: &mut dyn FnMut(u64, u32),
+    take: &mut dyn FnMut(u64, u32) -> Result<(), String>,
 ) -> Result<(), String> {
-    let [encoding, compression] =
-        ["encoding", "compression"].map(|name| data.attribute(name).unwrap_or_default());
     let is_known = match encoding {
         "csv" => compression.is_empty(),
         "base64" => ["", "zlib", "gzip", "zstd"].contains(&compression),
@@ -54,7 +52,7 @@ pub fn decode(
     for number in 0..count {
         let id =
             ids.next().ok_or_else(|| format!("too few tiles for its dimensions: {number} of {count}"))?;
-        take(number, id.map_err(|why| format!("tile {number}: {why}"))?);
+        take(number, id.map_err(|why| format!("tile {number}: {why}"))?)?;
     }
     if ids.next().is_some() { Err(format!("more than the {count} tiles of its dimensions")) } else { Ok(()) }
 }

@@ -1,23 +1,17 @@
 //! Levels of the editor Tiled (`.tmx`): which of their tiles block sight, and the objects that are
 //! drawn over them.
 
-// The tree of elements is made by `roxmltree`. Not all by the crate `tiled` (0.16): files end the
-// process that reads them by it, or take any memory.
-// - Its stack overflows by 10,000 groups in each other (150 kB), by properties of the type `class`,
-//   and by a template whose object names that template (46 bytes).
-// - `tilecount="4294967295"` asks for 1.7 TB; a `spacing` of 2^32 - 1 panics.
-// - It inflates without a limit, and keeps 16 bytes for each tile of each layer: 350 kB take
-//   1.5 GiB where 2 to 8 MiB do. It compares each attribute with all: 100,000 take half a minute.
-// - It searches each tile's tileset among all, and copies the properties of templates.
-// A check before it would inflate each layer, and add up tiles, tilesets and templates over all files:
-// that is as long as this reader. `tests/damaged.rs` has most of these files.
+// The trees are made by `roxmltree` and `serde_json`, and not all by the crate `tiled` (0.16), which
+// some files end, and which takes any memory: groups in each other, a template that names itself,
+// `tilecount="4294967295"`, layers that inflate without a limit. `tests/damaged.rs` has such files.
 
 mod data;
+mod element;
+mod json;
 mod names;
 mod object;
 mod space;
 mod tileset;
-mod xml;
 
 use std::io;
 use std::path::Path;
@@ -27,10 +21,10 @@ use glam::{I64Vec2, IVec2};
 
 use crate::{MapError, SMALL, file};
 use data::decode;
+use element::{Element, tree};
 use names::{Rule, WALLS};
 use space::{Chunk, FARTHEST, Layer, Space};
 use tileset::{TILE, Tilesets};
-use xml::{Element, tree};
 
 pub use names::Role;
 pub(crate) use names::plain;
@@ -46,15 +40,20 @@ const TILES_FOR_A_BYTE: u64 = 258;
 /// far apart would take any memory.
 const MOST_EMPTY: u64 = 4;
 
+/// Hexagons that hide, at most: each is an object of some hundred bytes.
+const MOST_HEXAGONS: usize = 1 << 16;
+
 /// What of a map blocks sight, its objects, and warnings: see [`TmxImport::read`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TmxMap {
     /// The tiles that block.
     pub walls: BitGrid,
-    /// The column and the row, as the editor counts them, of the tile `(0, 0)` of `walls`.
+    /// The column and the row, as the editor counts them, of the tile `(0, 0)` of `walls`. Those of
+    /// staggered maps are of an isometric map with the same diamonds, from their first tile on.
     pub origin: IVec2,
     /// The objects of all layers, in the order of the file, in tiles as the editor counts them.
-    /// Texts, pictures and objects of templates are left out.
+    /// Texts, pictures and objects of templates are left out. Before them come the hexagons that
+    /// hide, with the number 0; their unit is the width of a tile along x, and its height along y.
     pub objects: Vec<TmxObject>,
     /// What was passed over, for people. Nothing of it blocks sight, but objects as it says.
     pub warnings: Vec<String>,
@@ -103,7 +102,7 @@ impl TmxImport {
     /// the tiles.
     ///
     /// # Errors
-    /// A file that is missing or damaged, a staggered map or one of hexagons, one whose tiles are
+    /// A file that is missing or damaged, one with more than 65,536 hexagons that hide, one whose tiles are
     /// stored in another way, and one whose rectangle would have more than 2^24 tiles and four times
     /// as many as all layers together; more than 2^26 tiles, and 258 for each byte of the file.
     pub fn read(&self, path: impl AsRef<Path>) -> Result<TmxMap, MapError> {
@@ -143,7 +142,7 @@ impl TmxImport {
         let (space, rule) = (Space::read(map)?, Rule::new(&self.walls, &self.doors));
         let tilesets = Tilesets::read(map, &rule, open)?;
         let (objects, tiles): (Vec<_>, Vec<_>) =
-            Layer::all(map, &rule)?.into_iter().partition(|layer| layer.element.name() == "objectgroup");
+            Layer::all(map, &rule)?.into_iter().partition(|layer| layer.element.name == "objectgroup");
         let tiles = tiles.into_iter().map(|layer| Ok((space.chunks(&layer)?, layer)));
         let tiles = tiles.collect::<Result<Vec<_>, MapError>>()?;
 
@@ -152,9 +151,13 @@ impl TmxImport {
         for (chunks, layer) in &tiles {
             for chunk in chunks.iter().filter(|chunk| chunk.size.min_element() > 0) {
                 count += chunk.size.element_product() as u64;
-                if let Some(shift) = space.whole_tiles(layer.shift) {
-                    least = least.min(chunk.at + shift);
-                    most = most.max(chunk.at + shift + chunk.size);
+                let Some(shift) = space.whole_tiles(layer.shift).filter(|_| !space.is_hexagonal()) else {
+                    continue;
+                };
+                let last = chunk.size - 1;
+                for corner in [I64Vec2::ZERO, last, last * I64Vec2::X, last * I64Vec2::Y] {
+                    let cell = space.cell(chunk.at + corner) + shift;
+                    (least, most) = (least.min(cell), most.max(cell + 1));
                 }
             }
         }
@@ -208,23 +211,33 @@ fn read_tiles(
         let (width, count) = (chunk.size.x as u64, chunk.size.element_product() as u64);
         let take = &mut |index: u64, id: u32| {
             if id & TILE == 0 {
-                return;
+                return Ok(());
             }
             let Some(tile) = tilesets.find(id) else {
                 unknown.get_or_insert((id & TILE, 0)).1 += 1;
-                return;
+                return Ok(());
             };
             drawn += u64::from(tile.has_shapes());
-            if let (Some(shift), true) = (shift, tile.blocks(layer.role == Some(Role::Wall))) {
-                let at = chunk.at + shift + I64Vec2::new((index % width) as i64, (index / width) as i64);
+            if !tile.blocks(layer.role == Some(Role::Wall)) {
+                return Ok(());
+            }
+            let at = chunk.at + I64Vec2::new((index % width) as i64, (index / width) as i64);
+            if let Some(corners) = space.hexagon(at, layer.shift) {
+                found.objects.push(TmxObject::hexagon(&corners, layer)?);
+                let few = found.objects.len() <= MOST_HEXAGONS;
+                return few.then_some(()).ok_or_else(|| format!("more than {MOST_HEXAGONS} hexagons hide"));
+            }
+            if let Some(shift) = shift {
+                let at = space.cell(at) + shift;
                 found.walls.set(at.x as u32, at.y as u32, true);
             }
+            Ok(())
         };
-        let text = chunk.element.text()?;
-        decode(chunk.data, &text, count, take).map_err(|why| layer.damaged(why))?;
+        let (text, stored) = chunk.element.tiles(chunk.data)?;
+        decode(&text, stored, count, take).map_err(|why| layer.damaged(why))?;
     }
     let mut warn = |what: String| found.warnings.push(format!("the layer {:?} {what}", layer.short_name()));
-    if shift.is_none() {
+    if shift.is_none() && !space.is_hexagonal() {
         let by = space.tiles(layer.shift);
         warn(format!("is shifted by {} and {} tiles: only whole tiles are read", by.x, by.y));
     }

@@ -1,6 +1,6 @@
 //! Which names and values in maps say that something blocks sight.
 
-use super::xml::Element;
+use super::element::Element;
 
 /// What blocks sight, unless [`TmxImport::walls`](super::TmxImport::walls) says otherwise.
 #[rustfmt::skip]

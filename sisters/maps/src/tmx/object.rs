@@ -6,9 +6,9 @@ use std::sync::Arc;
 use casca_plane::{ConvexPolygon, DISC_SIDES, Disc, Error, ObjectDesc, Polyline, Rect, Segment, Shape};
 use glam::{DMat2, DVec2, Vec2};
 
+use super::element::{Element, finite};
 use super::names::{Role, Rule};
 use super::space::{FARTHEST, Layer, Space};
-use super::xml::{Element, finite};
 
 /// An ellipse is round if its axes differ by this share of their length, or as much from a right
 /// angle: thousands of roundings of turns, and less than one to single precision.
@@ -37,6 +37,17 @@ pub struct TmxObject {
 }
 
 impl TmxObject {
+    /// A tile that hides and is no square; its corners are in tiles.
+    pub(super) fn hexagon(corners: &[DVec2], layer: &Layer<'_>) -> Result<Self, String> {
+        if corners.iter().any(|p| p.abs().max_element() > FARTHEST) {
+            return Err("its tiles are too far away".into());
+        }
+        let corners: Vec<Vec2> = corners.iter().map(|p| p.as_vec2()).collect();
+        let bounds = Shape::from(ConvexPolygon::new(&corners).map_err(|why| why.to_string())?);
+        let (layer, role, occluder) = (layer.name.clone(), Role::Wall, Some(bounds.clone()));
+        Ok(Self { id: 0, name: String::new(), class: String::new(), layer, role, bounds, occluder })
+    }
+
     /// The object for a scene in which a tile is a world unit wide, closed if it is a door: it is
     /// opened by [`Scene::set_occluder`](casca_plane::Scene::set_occluder). Its user data is its number.
     pub fn desc(&self) -> ObjectDesc {
@@ -50,13 +61,7 @@ impl TmxObject {
 
 /// Reads the objects of a layer. Texts are passed over, as are pictures and what is made of
 /// templates.
-pub fn read(
-    layer: &Layer<'_>,
-    space: Space,
-    rule: &Rule,
-    objects: &mut Vec<TmxObject>,
-    warnings: &mut Vec<String>,
-) {
+pub fn read(layer: &Layer<'_>, space: Space, rule: &Rule, all: &mut Vec<TmxObject>, said: &mut Vec<String>) {
     let name = layer.short_name();
     let mut passed = 0;
     for element in layer.element.all("object") {
@@ -65,7 +70,7 @@ pub fn read(
             continue;
         }
         let id = element.attribute("id").and_then(|id| id.trim().parse().ok()).unwrap_or(0);
-        let mut warn = |what: String| warnings.push(format!("the object {id} of the layer {name:?} {what}"));
+        let mut warn = |what: String| said.push(format!("the object {id} of the layer {name:?} {what}"));
         match shapes(element, space, layer.shift) {
             Ok(None) => {}
             Err(why) => warn(format!("is left out: {why}")),
@@ -79,20 +84,13 @@ pub fn read(
                 }
                 let occluder = (role != Role::Plain && !is_point).then_some(occluder);
                 let name = element.attribute("name").unwrap_or_default().to_owned();
-                objects.push(TmxObject {
-                    id,
-                    name,
-                    class,
-                    layer: layer.name.clone(),
-                    role,
-                    bounds,
-                    occluder,
-                });
+                let layer = layer.name.clone();
+                all.push(TmxObject { id, name, class, layer, role, bounds, occluder });
             }
         }
     }
     if passed > 0 {
-        warnings.push(format!(
+        said.push(format!(
             "the layer {name:?} has {passed} objects with pictures or of templates: these are not read, and \
              hide nothing"
         ));
@@ -101,8 +99,8 @@ pub fn read(
 
 /// The shape around an object, and that in it, in tiles; `None` for a text.
 fn shapes(element: Element<'_>, space: Space, shift: DVec2) -> Result<Option<[Shape; 2]>, String> {
-    let form = element.children().find(|child| child.name() != "properties");
-    let form_name = form.map_or("", Element::name);
+    let form = element.children().find(|child| child.name != "properties");
+    let form_name = form.map_or("", |form| form.name);
     if form_name == "text" {
         return Ok(None);
     }
@@ -115,7 +113,7 @@ fn shapes(element: Element<'_>, space: Space, shift: DVec2) -> Result<Option<[Sh
     let screen = space.screen();
     let (at, turn) = (screen * DVec2::new(x?, y?) + shift, turn(rotation?) * screen);
     let place = |p: DVec2| {
-        let p = space.tiles(at + turn * p);
+        let p = space.place(at + turn * p);
         // False also for what is not a number.
         let near = p.abs().cmple(DVec2::splat(FARTHEST)).all();
         if near { Ok(p.as_vec2()) } else { Err(format!("{} and {} tiles are too far away", p.x, p.y)) }
@@ -123,7 +121,7 @@ fn shapes(element: Element<'_>, space: Space, shift: DVec2) -> Result<Option<[Sh
     let places = |all: &[DVec2]| all.iter().map(|&p| place(p)).collect::<Result<Vec<Vec2>, String>>();
     // Pairs of numbers: `x,y x,y`.
     let points = || {
-        let text = form.and_then(|form| form.attribute("points")).unwrap_or_default();
+        let text = form.map(Element::points).unwrap_or_default();
         let point = |pair: &str| {
             let (x, y) = pair.split_once(',')?;
             Some(DVec2::new(finite(x)?, finite(y)?))

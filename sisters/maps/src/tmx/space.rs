@@ -3,10 +3,10 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::{DMat2, DVec2, I64Vec2};
+use glam::{DMat2, DVec2, I64Vec2, UVec2};
 
+use super::element::Element;
 use super::names::{Role, Rule};
-use super::xml::Element;
 use crate::MapError;
 
 /// Coordinates in tiles, at most.
@@ -22,35 +22,103 @@ const WHOLE: f64 = 1e-6;
 /// How a map shows its tiles.
 #[derive(Debug, Clone, Copy)]
 pub struct Space {
+    /// Whether objects count along columns and rows that go down to both sides.
     isometric: bool,
+    /// Whether every other column or row is shifted by half a tile.
+    stagger: Option<Stagger>,
     /// The width and the height of a tile in pixels.
     tile: DVec2,
     /// Columns and rows; `None` for infinite maps.
     size: Option<I64Vec2>,
 }
 
+/// Which columns or rows are shifted by half a tile.
+#[derive(Debug, Clone, Copy)]
+struct Stagger {
+    columns: bool,
+    even: bool,
+    /// The sides of hexagons along columns or rows, in pixels; `None` for diamonds.
+    side: Option<DVec2>,
+}
+
+impl Stagger {
+    /// A tile's place in steps, of which two are the width or height of a diamond.
+    fn steps(self, tile: I64Vec2) -> I64Vec2 {
+        let shift = |index: i64| i64::from((index & 1 == 0) == self.even);
+        match self.columns {
+            true => I64Vec2::new(tile.x, 2 * tile.y + shift(tile.x)),
+            false => I64Vec2::new(2 * tile.x + shift(tile.y), tile.y),
+        }
+    }
+}
+
 impl Space {
     pub fn read(map: Element<'_>) -> Result<Self, MapError> {
         let orientation = map.required("orientation")?;
-        if !["orthogonal", "isometric"].contains(&orientation) {
-            return Err(map.damaged(format!(
-                "the map is {orientation:.40}, but only orthogonal and isometric maps have rows and columns of \
-                 squares: choose one (Map, Map Properties, Orientation)"
-            )));
-        }
+        let is_staggered = match orientation {
+            "orthogonal" | "isometric" => false,
+            "staggered" | "hexagonal" => true,
+            _ => return Err(map.damaged(format!("the orientation {orientation:.40} is not known"))),
+        };
         let size = if map.attribute("infinite") == Some("1") { None } else { Some(size_of(map)?) };
-        let [width, height] = [map.number::<u32>("tilewidth")?, map.number("tileheight")?].map(f64::from);
-        if width == 0.0 || height == 0.0 {
+        let [width, height] = [map.number::<u32>("tilewidth")?, map.number("tileheight")?];
+        let mut tile = UVec2::new(width, height);
+        let stagger = is_staggered.then(|| {
+            // The editor halves these numbers as whole ones.
+            tile &= !1;
+            let columns = map.attribute("staggeraxis") == Some("x");
+            let most = if columns { tile * UVec2::X } else { tile * UVec2::Y }.as_dvec2();
+            let side = DVec2::splat(map.decimal("hexsidelength")?).clamp(DVec2::ZERO, most);
+            let even = map.attribute("staggerindex") == Some("even");
+            Ok(Stagger { columns, even, side: (orientation == "hexagonal").then_some(side) })
+        });
+        let stagger = stagger.transpose()?;
+        if tile.min_element() == 0 {
             return Err(map.damaged("tiles of no size"));
         }
-        Ok(Self { isometric: orientation == "isometric", tile: DVec2::new(width, height), size })
+        Ok(Self { isometric: orientation == "isometric", stagger, tile: tile.as_dvec2(), size })
     }
 
-    /// A place on the screen in pixels as one in tiles, column and row.
-    pub fn tiles(self, place: DVec2) -> DVec2 {
-        let DVec2 { x, y } = place / self.tile;
-        // Rows of isometric maps go down to the left, columns down to the right.
-        if self.isometric { DVec2::new(y + x, y - x) } else { DVec2::new(x, y) }
+    pub fn is_hexagonal(self) -> bool {
+        self.stagger.is_some_and(|stagger| stagger.side.is_some())
+    }
+
+    /// A way on the screen in pixels as one in tiles, column and row.
+    pub fn tiles(self, way: DVec2) -> DVec2 {
+        let DVec2 { x, y } = way / self.tile;
+        // Rows of diamonds go down to the left, columns down to the right.
+        let is_diamond = self.isometric || self.stagger.is_some() && !self.is_hexagonal();
+        if is_diamond { DVec2::new(y + x, y - x) } else { DVec2::new(x, y) }
+    }
+
+    /// A place on the screen in pixels as one in tiles.
+    pub fn place(self, place: DVec2) -> DVec2 {
+        match self.stagger {
+            // The uppermost point of the first tile is the origin.
+            Some(stagger @ Stagger { side: None, .. }) => {
+                let first = stagger.steps(I64Vec2::ZERO) + I64Vec2::X;
+                self.tiles(place - first.as_dvec2() * self.tile / 2.0)
+            }
+            _ => self.tiles(place),
+        }
+    }
+
+    /// The column and the row of a tile of a layer: of staggered maps, those of an isometric map that
+    /// has the same diamonds.
+    pub fn cell(self, tile: I64Vec2) -> I64Vec2 {
+        let Some(stagger) = self.stagger else { return tile };
+        let I64Vec2 { x, y } = stagger.steps(tile) - stagger.steps(I64Vec2::ZERO);
+        I64Vec2::new(y + x, y - x) / 2
+    }
+
+    /// The corners of a hexagon in tiles. Neighbours share them: numbers are whole up to the division.
+    pub fn hexagon(self, tile: I64Vec2, shift: DVec2) -> Option<[DVec2; 8]> {
+        let stagger = self.stagger?;
+        let (near, far) = (self.tile - stagger.side?, self.tile + stagger.side?);
+        let (DVec2 { x: a, y: b }, DVec2 { x: c, y: d }, DVec2 { x, y }) = (near, far, 2.0 * self.tile);
+        let corners = [(a, 0.0), (c, 0.0), (x, b), (x, d), (c, y), (a, y), (0.0, d), (0.0, b)];
+        let at = stagger.steps(tile).as_dvec2() * far + 2.0 * shift;
+        Some(corners.map(|corner| (at + DVec2::from(corner)) / (2.0 * self.tile)))
     }
 
     /// A shift in whole tiles; `None` if it is none.
@@ -84,11 +152,10 @@ impl Space {
             }
         }
         if let Some(size) = self.size {
-            let found = size_of(layer.element)?;
-            if found != size {
-                let why =
-                    format!("{} by {} tiles, but the map has {} by {}", found.x, found.y, size.x, size.y);
-                return Err(layer.damaged(why));
+            let I64Vec2 { x, y } = size_of(layer.element)?;
+            if I64Vec2::new(x, y) != size {
+                let [columns, rows] = size.to_array();
+                return Err(layer.damaged(format!("{x} by {y} tiles, but the map has {columns} by {rows}")));
             }
             if chunks.is_empty() && size.min_element() > 0 {
                 return Err(layer.damaged("it has no tiles"));
@@ -138,13 +205,13 @@ impl<'x> Layer<'x> {
                 open.pop();
                 continue;
             };
-            if !["group", "layer", "objectgroup"].contains(&child.name()) {
+            if !["group", "layer", "objectgroup"].contains(&child.name) {
                 continue;
             }
             let shift = *shift + DVec2::new(child.decimal("offsetx")?, child.decimal("offsety")?);
             let named = || ["class", "name"].into_iter().find_map(|name| rule.role(child.attribute(name)?));
             let role = rule.properties(child).role().or_else(named).or(*role);
-            if child.name() == "group" {
+            if child.name == "group" {
                 open.push((child.children(), shift, role));
             } else {
                 let name = child.attribute("name").unwrap_or_default().into();

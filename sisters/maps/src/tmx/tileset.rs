@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::io;
 use std::rc::Rc;
 
+use super::element::{Element, tree};
 use super::names::{Role, Rule, Says};
-use super::xml::{Element, tree};
 use crate::MapError;
 
 /// What a tileset says of a tile.
@@ -23,13 +23,9 @@ impl Tile {
     fn read(tile: Element<'_>, rule: &Rule) -> Self {
         let shapes = tile.all("objectgroup").flat_map(|group| group.all("object"));
         let drawn = shapes.fold(None::<Says>, |all, shape| {
-            let roles = [rule.role(shape.class()), rule.properties(shape).role()];
+            let roles = [rule.role(shape.class()), rule.properties(shape).role()].into_iter().flatten();
             let mut all = all.unwrap_or_default();
-            roles
-                .into_iter()
-                .flatten()
-                .filter(|role| *role != Role::Plain)
-                .for_each(|role| all.add(role, true));
+            roles.filter(|role| *role != Role::Plain).for_each(|role| all.add(role, true));
             Some(all)
         });
         Self { says: rule.properties(tile), class: rule.role(tile.class()).into(), drawn }

@@ -15,6 +15,11 @@ pub fn map(attributes: &str, data: &str) -> String {
     include_str!("map.tmx").replace("encoding=\"csv\">DATA", &format!("{attributes}>{data}"))
 }
 
+/// The map of [`objects`] as JSON, with what its data say of themselves and the data.
+pub fn json(stored: &str, data: &str) -> String {
+    include_str!("map.tmj").replace("\"encoding\":\"csv\"", stored).replace("DATA", data)
+}
+
 /// The tiles as text.
 pub fn csv() -> String {
     TILES.map(|id| id.to_string()).join(",\n")
@@ -37,12 +42,16 @@ pub fn objects() -> String {
         .replace("\n</map>", &["\n", include_str!("objects.xml"), "</map>"].concat())
 }
 
-/// Maps of each encoding, and one with objects.
+/// Maps of each encoding, one with objects, and two of JSON.
 pub fn all() -> Vec<Vec<u8>> {
     let packed = |compression: &str| {
         let attributes = format!("encoding=\"base64\" compression=\"{compression}\"");
         map(attributes.replace(" compression=\"\"", "").as_str(), &base64(compression)).into_bytes()
     };
     let plain = map("encoding=\"csv\"", &csv()).into_bytes();
-    vec![plain, packed(""), packed("zlib"), packed("gzip"), packed("zstd"), objects().into_bytes()]
+    let list = json("\"opacity\":1", &format!("[{}]", csv())).into_bytes();
+    let zstd = "\"encoding\":\"base64\",\"compression\":\"zstd\"";
+    let folded = json(zstd, &format!("\"{}\"", base64("zstd"))).into_bytes();
+    let packed = ["", "zlib", "gzip", "zstd"].map(packed);
+    [plain].into_iter().chain(packed).chain([objects().into_bytes(), list, folded]).collect()
 }

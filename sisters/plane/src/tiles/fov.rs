@@ -12,6 +12,8 @@ use crate::tiles::options::{FovOptions, TilePoint};
 use crate::tiles::sweep::Sweep;
 use crate::tiles::tile_sweep::TileSweep;
 
+type Found<'a> = Result<&'a BitGrid, Error>;
+
 /// Finds the tiles that an eye sees, exactly.
 ///
 /// A tile is seen if rays from the eye reach it in some range of directions, however narrow: a part
@@ -22,8 +24,7 @@ use crate::tiles::tile_sweep::TileSweep;
 /// An opaque tile that has the eye inside does not block. An eye on the border of an opaque tile
 /// does not see through it.
 ///
-/// Keeps its memory from run to run: have one for each thread. Takes two bits for each tile of the
-/// map.
+/// Keeps its memory from run to run: have one for each thread. Takes two bits a tile of the map.
 ///
 /// ```
 /// use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
@@ -59,31 +60,36 @@ impl FieldOfView {
     }
 
     /// The tiles that are seen from anywhere in a tile of the map, its border included: a result
-    /// for all viewers in the tile, or for one that moves in it. Exact: each tile that
-    /// [`Self::run`] finds for one of these eyes, and no others.
+    /// for all viewers in the tile, or for one that moves in it. Exact: each tile that [`Self::run`]
+    /// finds for one of these eyes, and no others.
     ///
     /// Only where more than 512 groups of lines cross a row in an eighth of all directions, tiles
     /// that no eye sees may be among them: open ground of 4096 by 4096 tiles with a rock in every
     /// 1000 has 258, other maps a few. The range of the options is counted from the nearest eye.
     /// Their sector is not regarded: its apex could be anywhere in the tile.
     ///
-    /// Costs the tiles in sight, like [`Self::run`], in all groups of lines: two to three times as
-    /// much in rooms and caves.
+    /// Costs the tiles in sight in all groups of lines: two to three times [`Self::run`] in rooms.
     ///
     /// # Errors
     /// A tile that the map does not have.
-    pub fn run_from_tile(
-        &mut self,
-        opaque: &OpaqueTiles,
-        x: u32,
-        y: u32,
-        options: &FovOptions,
-    ) -> Result<&BitGrid, Error> {
+    pub fn run_from_tile(&mut self, opaque: &OpaqueTiles, x: u32, y: u32, options: &FovOptions) -> Found<'_> {
         let (tile, size) = (UVec2::new(x, y), UVec2::new(opaque.width(), opaque.height()));
         if tile.cmpge(size).any() {
             return Err(Error::Outside { tile, size });
         }
         Ok(self.sweep_all(opaque, Eyes::In([x, y]), options))
+    }
+
+    /// As [`Self::run_from_tile`], but not from the corners of the tile, which look out between two
+    /// opaque tiles where no line passes: of two free tiles, each sees the other or neither does.
+    ///
+    /// # Errors
+    /// As [`Self::run_from_tile`].
+    pub fn run_symmetric(&mut self, opaque: &OpaqueTiles, x: u32, y: u32, options: &FovOptions) -> Found<'_> {
+        self.tile_sweep.corners = false;
+        let found = self.run_from_tile(opaque, x, y, options).map(drop);
+        self.tile_sweep.corners = true;
+        found.map(|()| self.seen())
     }
 
     fn sweep_all(&mut self, opaque: &OpaqueTiles, eyes: Eyes, options: &FovOptions) -> &BitGrid {

@@ -58,11 +58,14 @@ pub(super) struct TileSweep {
     /// [`MOST_BEAMS`] and [`MOST_POINTS`]; tests choose less.
     most_beams: usize,
     most_points: usize,
+    /// Whether eyes in the corners of the tile look out.
+    pub corners: bool,
 }
 
 impl Default for TileSweep {
     fn default() -> Self {
-        Self { open: Vec::new(), next: Vec::new(), most_beams: MOST_BEAMS, most_points: MOST_POINTS }
+        let (most_beams, most_points) = (MOST_BEAMS, MOST_POINTS);
+        Self { open: Vec::new(), next: Vec::new(), most_beams, most_points, corners: true }
     }
 }
 
@@ -91,14 +94,8 @@ impl TileSweep {
         // The centre, as the octant sees it.
         let center = tile.map(|at| i64::from(at) * TILE + TILE / 2);
         let [column, row] = octant.eye(center, [tiles.width(), tiles.height()]).map(|at| at.div_euclid(TILE));
-        let frame = Frame::<MIRROR> {
-            tiles,
-            column,
-            row,
-            flip_y: octant.flip_y,
-            range,
-            most_points: self.most_points,
-        };
+        let (flip_y, most_points) = (octant.flip_y, self.most_points);
+        let frame = Frame::<MIRROR> { tiles, column, row, flip_y, range, most_points };
         self.open.clear();
         self.open.push(frame.beam([column, row + 1], [column + 1, row], column));
         let mut y = row;
@@ -108,7 +105,7 @@ impl TileSweep {
             for beam in self.open.drain(..) {
                 frame.cross_row(y, end, beam, &mut self.next, sink);
             }
-            if y == row && frame.is_pinched() {
+            if self.corners && y == row && frame.is_pinched() {
                 let corner = [column + 1, row + 1];
                 self.next.push(frame.beam(corner, corner, column + 1));
             }
@@ -283,7 +280,7 @@ mod tests {
 
     /// The columns and rows of an octant that a sweep marks.
     #[derive(Default)]
-    struct Marked(BTreeSet<(usize, usize)>, usize);
+    struct Marked(Tiles, usize);
 
     impl Sink for Marked {
         fn begin_row(&mut self, row: usize) {
@@ -295,12 +292,9 @@ mod tests {
         }
     }
 
-    fn seen(
-        tiles: &BitGrid,
-        tile: [u32; 2],
-        most_beams: usize,
-        most_points: usize,
-    ) -> BTreeSet<(usize, usize)> {
+    type Tiles = BTreeSet<(usize, usize)>;
+
+    fn seen(tiles: &BitGrid, tile: [u32; 2], most_beams: usize, most_points: usize) -> Tiles {
         let mut sweep = TileSweep { most_beams, most_points, ..TileSweep::default() };
         let mut marked = Marked::default();
         let [octant, ..] = Octant::four(false);

@@ -149,8 +149,7 @@ fn eyes_on_walls_and_in_walls() {
 
 #[test]
 fn eyes_far_outside_and_empty_maps() {
-    let options = FovOptions::default();
-    let far = 1e5;
+    let (options, far) = (FovOptions::default(), 1e5);
     let map = drawn(&["....", ".##.", "...."]);
     for (x, y) in [(far, 1.5), (-far, 1.5), (1.5, far), (far, -far), (-far, -far), (far, far), (-7.25, 1e6)] {
         let eye = TilePoint::new(x, y).unwrap();

@@ -14,8 +14,7 @@ use crate::oracle::{Oracle, UNIT};
 type Tile = (u32, u32);
 
 fn seen(map: &BitGrid, tile: Tile, options: &FovOptions) -> BTreeSet<Tile> {
-    let mut fov = FieldOfView::new();
-    let opaque = OpaqueTiles::new(map.clone());
+    let (mut fov, opaque) = (FieldOfView::new(), OpaqueTiles::new(map.clone()));
     fov.run_from_tile(&opaque, tile.0, tile.1, options).unwrap().cells().collect()
 }
 
@@ -71,6 +70,9 @@ proptest! {
         let tiles = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
         let mut truth: BTreeSet<Tile> =
             tiles.filter(|&other| other == tile || is_visible(&opaque, at(tile), at(other))).collect();
+        let mut fov = FieldOfView::new();
+        let inner = fov.run_symmetric(&OpaqueTiles::new(map.clone()), tile.0, tile.1, &FovOptions::default());
+        prop_assert_eq!(inner.unwrap().cells().collect::<BTreeSet<_>>(), truth.clone(), "from within");
         truth.extend(seen_from_corners(&map, tile));
         prop_assert_eq!(seen(&map, tile, &FovOptions::default()), truth);
     }

@@ -1,7 +1,6 @@
 //! Fields of view on tiles against exact visibility.
 
 mod cases;
-mod cell;
 mod exact;
 mod fog;
 mod fov;

@@ -47,10 +47,8 @@ pub use sink::{Attributes, FileError, Report, Source};
 /// None. But in builds with overflow checks or debug assertions, the crate `laz` panics at four
 /// places on some damaged bytes of LAZ files (`decoders.rs` 284, `las/gps.rs` 892 and 1092,
 /// `las/wavepacket.rs` 170 of version 0.13), which cannot be told before. Such a panic is
-/// caught, and becomes a warning or an error; the panic hook is called first, which by default
-/// prints a line. A program that is built with these checks and with `panic = "abort"` ends there:
-/// turn them off for `laz` alone (`[profile.dev.package.laz]`, `overflow-checks = false`,
-/// `debug-assertions = false`), or read files that you do not trust in another process.
+/// caught, and becomes a warning or an error; the panic hook is called first. A program that is also
+/// built with `panic = "abort"` ends there: the page says how to turn the checks off for `laz` alone.
 pub fn read(path: &Path) -> Result<(PointCloud, Report), FileError> {
     let mut all = PointCloud::default();
     let report = read_chunks(path, usize::MAX, |chunk| {

@@ -7,6 +7,9 @@ use crate::PointCloud;
 use glam::DVec3;
 use std::io::{self, BufRead, Write};
 
+/// The spherical harmonic that is the same to all sides (1 / sqrt(4 pi)): splats hold its factor.
+const SPLAT: f64 = 0.282_094_791_773_878_14;
+
 /// Reads the element `vertex`, and all before it.
 pub(super) fn read<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let mut lines = Lines::new(source).map_err(|e| sink.io(e))?;
@@ -54,7 +57,7 @@ fn points<E: From<FileError>>(
     mut next: impl FnMut() -> Result<Sample, (String, String, bool)>,
 ) -> Result<(), E> {
     let has = Attributes {
-        colours: element.has(Field::Colour(0)),
+        colours: element.has(Field::Colour(0)) || element.has(Field::Splat(0)),
         normals: element.has(Field::Normal(0)),
         radii: element.has(Field::Radius),
     };
@@ -133,6 +136,7 @@ impl Sample {
         match field {
             Field::Position(axis) => self.position[axis] = value,
             Field::Colour(channel) => self.colour[channel] = colour(),
+            Field::Splat(channel) => self.colour[channel] = unit_to_byte(0.5 + SPLAT * value),
             Field::Normal(axis) => self.normal[axis] = value as f32,
             Field::Radius => self.radius = value as f32,
             Field::Other => {}
@@ -189,10 +193,9 @@ impl<W: Write> PlyWriter<W> {
     /// than the header says.
     pub fn push(&mut self, cloud: &PointCloud) -> io::Result<()> {
         cloud.check().map_err(io::Error::other)?;
-        let lacks = self.has.colours && cloud.colours.is_empty()
-            || self.has.normals && cloud.normals.is_empty()
-            || self.has.radii && cloud.radii.is_empty();
-        if lacks && !cloud.is_empty() {
+        let none = [cloud.colours.is_empty(), cloud.normals.is_empty(), cloud.radii.is_empty()];
+        let named = [self.has.colours, self.has.normals, self.has.radii];
+        if !cloud.is_empty() && named.into_iter().zip(none).any(|(named, none)| named && none) {
             return Err(io::Error::other("the points lack an attribute that the PLY header names"));
         }
         let left = self.left.checked_sub(cloud.len() as u64);

@@ -26,6 +26,7 @@ pub(super) enum Kind {
 pub(super) enum Field {
     Position(usize),
     Colour(usize),
+    Splat(usize),
     Normal(usize),
     Radius,
     Other,
@@ -84,14 +85,12 @@ pub(super) fn read(lines: &mut Lines<impl BufRead>) -> Result<Header, String> {
                 _ => return Err(told()),
             },
             "element" => {
-                let count = words.get(2).and_then(|count| count.parse().ok());
-                let count = count.ok_or_else(told)?;
+                let count = words.get(2).and_then(|count| count.parse().ok()).ok_or_else(told)?;
                 elements.push(Element { name: word(1), count, properties: Vec::new() });
             }
             "property" => {
-                let property = property(&words).ok_or_else(told)?;
-                let element = elements.last_mut();
-                element.ok_or_else(told)?.properties.push(property);
+                let element = elements.last_mut().ok_or_else(told)?;
+                element.properties.push(property(&words).ok_or_else(told)?);
             }
             _ => strange.push(told()),
         }
@@ -115,6 +114,7 @@ fn property(words: &[&str]) -> Option<Property> {
         "red" | "r" | "diffuse_red" => Field::Colour(0),
         "green" | "g" | "diffuse_green" => Field::Colour(1),
         "blue" | "b" | "diffuse_blue" => Field::Colour(2),
+        "f_dc_0" | "f_dc_1" | "f_dc_2" => Field::Splat(usize::from(name.as_bytes()[5] - b'0')),
         "nx" | "ny" | "nz" => Field::Normal(usize::from(name.as_bytes()[1] - b'x')),
         "radius" => Field::Radius,
         _ => Field::Other,

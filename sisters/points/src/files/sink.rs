@@ -111,9 +111,8 @@ pub(super) struct Sink<'a, E> {
 
 impl<'a, E: From<FileError>> Sink<'a, E> {
     pub fn new(name: String, most: usize, each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>) -> Self {
-        let (most, chunk, report, first) =
-            (most.max(1), PointCloud::default(), Report::default(), Vec::new());
-        let (origin, read, lost, loss, colour_shift) = (None, 0, 0, None, None);
+        let (most, chunk, first) = (most.max(1), PointCloud::default(), Vec::new());
+        let (origin, read, lost, loss, report, colour_shift) = (None, 0, 0, None, Report::default(), None);
         Self { name, most, chunk, origin, first, read, lost, loss, report, colour_shift, each }
     }
 
@@ -237,8 +236,7 @@ pub(super) fn plain(error: impl ToString) -> String {
         return "the file ends here".into();
     }
     if let Some((end, _)) = text.char_indices().nth(LONGEST_TEXT) {
-        text.truncate(end);
-        text.push_str(" ...");
+        text.replace_range(end.., " ...");
     }
     text
 }
