@@ -10,7 +10,8 @@
 //!   objects and walls in sight. [`Scene::update`] costs the cells that an object touches.
 //!
 //! The walk is that of chapter 3.3 of H. C. Batagelo's thesis on visibility in dynamic scenes on a
-//! regular grid (Unicamp 2002). Its own method finds the set of a whole cell:
+//! regular grid (Unicamp 2002). The thesis' own method, the set of a whole cell by extended
+//! occluders, with temporal bounding volumes, is in the example `cell`;
 //! [`FieldOfView::run_from_tile`] is exact where that is not.
 
 mod bits;

@@ -1,6 +1,7 @@
 //! Fields of view on tiles against exact visibility.
 
 mod cases;
+mod cell;
 mod exact;
 mod fog;
 mod fov;
