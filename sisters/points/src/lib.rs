@@ -13,18 +13,7 @@
 //!   are hidden.
 //! - [`spacing`]: the size of these squares from the distances between neighbouring points.
 //!
-//! A [`PointCloud`] holds points with their colours, normals and radii.
-//!
-//! # Features
-//!
-//! None is on by default. These pages show the crate with all of them.
-//!
-//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ and E57 files in chunks,
-//!   and writes PLY.
-//! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far
-//!   as a picture needs them.
-//! - `gpu`: the module `gpu`: surface splatting on the graphics processor. It needs the Rust of
-//!   `casca-stage`.
+//! The features `files`, `bricks` and `gpu` add the modules of these names; none is on by default.
 
 mod auto;
 #[cfg(feature = "bricks")]

@@ -383,6 +383,7 @@ fn a_line_that_is_wrong_is_left_out_with_a_warning() {
     assert_eq!(two.positions, [Vec3::NEG_X, Vec3::new(1.0, 0.0, 2.5)]);
     let said = cause(plain.replace("0 1 0", "0 1").as_bytes());
     assert_eq!(said, "test, line 9, vertex 1 of 3: z is missing; 1 of 3 points could not be read");
+    assert!(cause(plain.replace("0 1 0", "\n \t\n0 one 0").as_bytes()).contains("line 11, vertex 1 of 3"));
     let strange = plain.replacen("element", "vendor stuff\nelement", 1);
     assert_eq!(warned(strange.as_bytes(), "line 3 is none of a PLY header: vendor stuff").len(), 3);
     let short = plain.replace("vertex 3", "vertex 5");

@@ -7,10 +7,11 @@
 //! For each scene of the `KIND` `tuned` or `held-out`: false visible and false hidden points over the
 //! truly visible ones, in percent, of three eyes together. The defaults of `surface` were chosen on
 //! the scenes called tuned; the others tell how well they hold. The kind `thesis` repeats the
-//! experiments of Tavares 2009.
+//! experiments of Tavares 2009, and `stations` takes two real scans.
 
 mod scans;
 mod scenes;
+mod stations;
 mod thesis;
 mod truth;
 
@@ -79,6 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let kind = std::env::args().nth(1);
     let (all, scans) = match kind.as_deref() {
         Some("thesis") => return thesis::print(),
+        Some("stations") => return stations::print(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("held-out") => scenes::held_out(),
         _ => scenes::tuned(),
     };

@@ -92,15 +92,4 @@ mod tests {
             assert_eq!(number(word), None, "{word}");
         }
     }
-
-    #[test]
-    fn lines_end_as_the_first_does() {
-        for (text, last) in [("a\nb\n", 3), ("\u{feff}a\r\n\r\nb", 4), ("a\r\rb\r", 4), ("a\n \t\nb\r\n", 4)]
-        {
-            let mut lines = Lines::new(text.as_bytes()).unwrap();
-            let next = |lines: &mut Lines<&[u8]>| lines.next().unwrap().map(str::to_owned);
-            assert_eq!([next(&mut lines), next(&mut lines)], ["a", "b"].map(|line| Some(line.to_owned())));
-            assert_eq!((next(&mut lines), lines.number), (None, last), "{text:?}");
-        }
-    }
 }

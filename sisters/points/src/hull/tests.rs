@@ -90,16 +90,6 @@ proptest! {
     fn extreme_points_are_those_of_whole_numbers(points in points(), exponent in -900..900_i32) {
         prop_assert_eq!(found(&points, f64::from(exponent).exp2()), truth(&points));
     }
-
-    #[test]
-    fn any_doubles_have_a_hull(
-        bits in prop::collection::vec(prop::array::uniform3(any::<u64>()), 0..40),
-    ) {
-        let points: Vec<DVec3> = bits.iter().map(|p| DVec3::from_array(p.map(f64::from_bits))).collect();
-        if points.iter().all(|p| p.is_finite()) {
-            prop_assert!(points.is_empty() || extreme_points(&points).any());
-        }
-    }
 }
 
 /// The points of a grid of whole numbers.

@@ -5,10 +5,7 @@
 /// A square faces the camera, has the depth of its point everywhere, and covers the pixels whose centres are
 /// in it, at least the point's own and at most 1025 in a row. Too small squares let hidden points show
 /// through the gaps between them, too large ones hide visible points beside silhouettes.
-///
-/// The radius `R` of the thesis is scaled by the width of the picture over the vertical angle. It
-/// makes squares of the half side `R * (width / fov_y) / (height / (2 tan(fov_y / 2)))` in the
-/// middle of the picture, which is `1.406 R` for 4:3 and 45 degrees.
+/// The radius `R` of the thesis is `R * (width / fov_y) / (height / (2 tan(fov_y / 2)))` here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Radius<'a> {
     /// The same for all points; at least 0.

@@ -95,8 +95,6 @@ fn camera(size: (u32, u32), fov_y: f32) -> Camera {
     Camera::look_at(Vec3::new(0.5, -0.3, 4.0), Vec3::ZERO, Vec3::Y, fov_y, size, 1.0, 9.0).unwrap()
 }
 
-const FILTERS: [Filter; 3] = [Filter::None, Filter::Max, Filter::Min];
-
 proptest! {
     #![proptest_config(cases(150))]
 
@@ -111,7 +109,8 @@ proptest! {
     ) {
         let radii: Vec<f32> = points.iter().map(|p| p[3].max(0.0).powi(3)).collect();
         let radius = if each { Radius::Each(&radii) } else { Radius::Same(radii.first().copied().unwrap_or(0.1)) };
-        let options = SplatOptions { radius, bias, filter: FILTERS[filter], slopes: false };
+        let filter = [Filter::None, Filter::Max, Filter::Min][filter];
+        let options = SplatOptions { radius, bias, filter, slopes: false };
         let points: Vec<Vec3> = points.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
         let camera = camera(size, fov_y);
         let found = visible_points(&points, &camera, &options).unwrap();

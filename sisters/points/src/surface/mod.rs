@@ -10,11 +10,6 @@
 //! pairs of few neighbours in the place of random ones; the discs are polygons that end like the triangles of
 //! a local Delaunay triangulation, and where points of a side of the same body lie below their face.
 //!
-//! Points between two parallel faces are on the rim of a thin plate, which has too few points for a
-//! plane of its own: their normals lead away from the points of the faces.
-//!
-//! Scans have points that are on no surface: mixed pixels, dust, reflections. They have no disc.
-//!
 //! Where points have normals that tell front and back, the far sides of closed bodies are hidden
 //! even where rays leak in; sheets with one side are seen from both.
 
