@@ -60,7 +60,7 @@ const MOST: [(&str, usize); 31] = [
     ("sisters/points", 8750),
     ("fronts/bake", 2250),
     ("fronts/baked", 1150),
-    ("fronts/bevy_casca", 6950),
+    ("fronts/bevy_casca", 6850),
     ("fronts/bevy_casca_fur", 1700),
     ("fronts/capi", 4150),
     ("fronts/casca", 1600),

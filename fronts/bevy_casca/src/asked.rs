@@ -1,20 +1,14 @@
 //! Answers why an entity hides nothing, without a trace in frames where nobody asks.
 
 use bevy_asset::Assets;
-use bevy_camera::primitives::Aabb;
-use bevy_camera::visibility::{
-    InheritedVisibility, NoCpuCulling, NoFrustumCulling, ViewVisibility, Visibility, VisibilityClass,
-    VisibilityRange,
-};
 use bevy_ecs::entity_disabling::DefaultQueryFilters;
 use bevy_ecs::prelude::*;
-use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy_mesh::{Mesh, Mesh3d};
-use bevy_transform::components::GlobalTransform;
 
+use crate::drawn;
 use crate::materials::Deferred;
 use crate::scene::{CascaScene, InScene};
-use crate::settings::{CascaSettings, NoOcclusionCulling};
+use crate::settings::CascaSettings;
 use crate::sync::{Managed, Refused};
 use crate::why_not::WhyNot;
 
@@ -34,35 +28,19 @@ impl CascaScene {
     }
 }
 
-/// The names of components, and whether an entity has them.
-macro_rules! components {
-    ($entity:ident, $($name:ident)*) => { [$((stringify!($name), $entity.contains::<$name>())),*] };
-}
-
 fn ask(world: &World, entity: EntityRef) -> Result<(), WhyNot> {
-    let settings = world.get_resource::<CascaSettings>().ok_or(WhyNot::Off)?;
+    world.get_resource::<CascaSettings>().filter(|settings| settings.enabled).ok_or(WhyNot::Off)?;
     let casca = world.get_resource::<CascaScene>().ok_or(WhyNot::Off)?;
     let meshes = world.get_resource::<Assets<Mesh>>().ok_or(WhyNot::Off)?;
-    if !settings.enabled {
-        return Err(WhyNot::Off);
-    }
     let disabling = world.get_resource::<DefaultQueryFilters>();
     if disabling.is_some_and(|all| all.disabling_ids().any(|id| entity.contains_id(id))) {
         return Err(WhyNot::Disabled);
     }
-    let forbidden = components!(entity, NoOcclusionCulling NoFrustumCulling NoCpuCulling VisibilityRange
-        MorphWeights MeshMorphWeights);
-    if let Some((name, _)) = forbidden.into_iter().find(|(_, has)| *has) {
-        return Err(WhyNot::Has(name));
-    }
+    drawn::barring(entity).map_or(Ok(()), |name| Err(WhyNot::Has(name)))?;
     if entity.get::<Mesh3d>().is_some_and(|mesh| !meshes.contains(mesh.id())) {
         return Err(WhyNot::NoMesh);
     }
-    let needed = components!(entity, Mesh3d Aabb GlobalTransform Visibility InheritedVisibility
-        ViewVisibility VisibilityClass);
-    if let Some((name, _)) = needed.into_iter().find(|(_, has)| !has) {
-        return Err(WhyNot::Lacks(name));
-    }
+    drawn::lacking(entity).map_or(Ok(()), |name| Err(WhyNot::Lacks(name)))?;
     let item = entity.get_components::<Managed>().map_err(|_| WhyNot::Waits)?;
     if !item.visible.get() {
         return Err(WhyNot::Invisible);

@@ -16,46 +16,41 @@ use crate::materials;
 use crate::scene::{CascaScene, InScene, take_out};
 use crate::settings::NoOcclusionCulling;
 
-/// Components of which casca manages no entity, whatever else it has.
-type Excluded = Or<(
-    With<NoFrustumCulling>,
-    With<NoCpuCulling>,
-    With<NoOcclusionCulling>,
-    With<VisibilityRange>,
-    With<MorphWeights>,
-    With<MeshMorphWeights>,
-    (With<SkinnedMesh>, Without<DynamicSkinnedMeshBounds>),
-)>;
+/// Makes queries of the components that an entity has to have and of those that it may not have,
+/// whatever else it has, and functions that name the first one that is amiss.
+macro_rules! rules {
+    (needs: $($need:ident)*; bars: $($bar:ident)*) => {
+        pub(crate) type Complete = ($(With<$need>,)*);
 
-/// The opposite.
-pub(crate) type Manageable = (Bounded, Without<VisibilityRange>);
+        /// What lies in its box, if it has one.
+        pub(crate) type Bounded = ($(Without<$bar>,)* Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>);
 
-/// What lies in its box, if it has one.
-pub(crate) type Bounded = (
-    Without<NoFrustumCulling>,
-    Without<NoCpuCulling>,
-    Without<NoOcclusionCulling>,
-    Without<MorphWeights>,
-    Without<MeshMorphWeights>,
-    Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>,
-);
+        type Unbounded = Or<($(With<$bar>,)* (With<SkinnedMesh>, Without<DynamicSkinnedMeshBounds>))>;
 
-/// With or without each component that Bevy needs to draw a mesh and to know where it is.
-macro_rules! each {
-    ($has:ident) => {
-        ($has<Mesh3d>, $has<Aabb>, $has<GlobalTransform>, $has<Visibility>, $has<InheritedVisibility>,
-            $has<ViewVisibility>, $has<VisibilityClass>)
+        type Incomplete = Or<($(Without<$need>,)*)>;
+
+        pub(crate) fn lacking(entity: EntityRef) -> Option<&'static str> {
+            $(if !entity.contains::<$need>() { return Some(stringify!($need)); })*
+            None
+        }
+
+        pub(crate) fn barring(entity: EntityRef) -> Option<&'static str> {
+            $(if entity.contains::<$bar>() { return Some(stringify!($bar)); })*
+            entity.contains::<VisibilityRange>().then_some("VisibilityRange")
+        }
     };
 }
 
-pub(crate) type Complete = each!(With);
+rules! {
+    needs: Mesh3d Aabb GlobalTransform Visibility InheritedVisibility ViewVisibility VisibilityClass;
+    bars: NoOcclusionCulling NoFrustumCulling NoCpuCulling MorphWeights MeshMorphWeights
+}
 
-/// The opposite.
-type Incomplete = Or<each!(Without)>;
+pub(crate) type Manageable = (Bounded, Without<VisibilityRange>);
 
 /// Entities in the scene that have no place there any more, as far as that is found without a look
 /// at each.
-pub(crate) type Gone = (With<InScene>, Or<(Excluded, Incomplete, With<Disabled>)>);
+pub(crate) type Gone = (With<InScene>, Or<(Unbounded, With<VisibilityRange>, Incomplete, With<Disabled>)>);
 
 /// Entities in the scene that have their place there. As any query it finds no entity with a
 /// component that disables, whoever registered that.
@@ -72,17 +67,13 @@ pub(crate) fn strays(
     if scene.len() == drawn.iter().len() {
         return Vec::new();
     }
-    let owner = |object: casca::ObjectRef| Entity::try_from_bits(object.user_data());
-    let has_place = |id, entity| drawn.get(entity).is_ok_and(|(_, known)| known.id == id);
-    let objects = scene.iter().map(|(id, object)| (id, owner(object)));
-    let gone = objects.filter(|&(id, entity)| !entity.is_some_and(|entity| has_place(id, entity)));
+    let stays = |id, entity| drawn.get(entity).is_ok_and(|(_, known)| known.id == id);
+    let objects = scene.iter().map(|(id, object)| (id, Entity::try_from_bits(object.user_data())));
+    let gone = objects.filter(|&(id, entity)| !entity.is_some_and(|entity| stays(id, entity)));
     let gone: Vec<_> = gone.collect();
-    let mut strays = Vec::with_capacity(gone.len());
-    for (id, entity) in gone {
-        take_out(Some(&mut *scene), changes, id);
-        strays.extend(entity);
-    }
-    strays.extend(drawn.iter().filter(|(_, known)| !scene.contains(known.id)).map(|(entity, _)| entity));
+    gone.iter().for_each(|(id, _)| take_out(Some(&mut *scene), changes, *id));
+    let lost = drawn.iter().filter(|(_, known)| !scene.contains(known.id)).map(|(entity, _)| entity);
+    let strays: Vec<_> = gone.into_iter().filter_map(|(_, entity)| entity).chain(lost).collect();
     for &entity in &strays {
         movers.remove(&entity);
         if let Ok(mut known) = commands.get_entity(entity) {

@@ -115,15 +115,4 @@ mod tests {
         assert!(!suits(&own, &scene(&street(1e7, 0.1)), 1), "too far away");
         assert!(!suits(&own, &scene(&street(0.0, 1.0)), 1) && suits(&own, &scene(&street(0.0, 1.0)), 1000));
     }
-
-    #[test]
-    fn no_input_makes_a_grid_that_casca_refuses() {
-        for x in [0.0, 1e-30, 1e20, f32::MAX, f32::NAN, f32::INFINITY] {
-            for n in [1, 100] {
-                if let Some(cell) = around(&vec![(Vec3A::splat(-x), Vec3A::splat(x)); n]) {
-                    casca::Scene::new(cell).unwrap();
-                }
-            }
-        }
-    }
 }

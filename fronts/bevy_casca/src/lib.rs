@@ -37,7 +37,7 @@ mod why_not;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
-pub use materials::{DeferredPlugin, MaterialsPlugin, NeverHiddenPlugin, NoDeferredPrepass, Surface};
+pub use materials::{MaterialsPlugin, NoDeferredPrepass, Surface, deferred_by, never_hidden};
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};
 pub use settings::{CascaSettings, CascaSystems, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};

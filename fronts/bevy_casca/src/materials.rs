@@ -19,7 +19,7 @@ use bevy_platform::collections::HashSet;
 
 use crate::layers;
 use crate::settings::{CascaSystems, Opaque};
-use crate::told::{Images, Told, follow_images};
+use crate::told::{Images, Told, follow_images, hear};
 use crate::why_not::WhyNot;
 
 /// What a material says about how entities with it are drawn.
@@ -80,53 +80,32 @@ impl<C: Component + AsAssetId> Plugin for MaterialsPlugin<C> {
     }
 }
 
-/// Nothing hides entities with the component `C`, which are drawn before things that are nearer.
-pub struct NeverHiddenPlugin<C: Component>(PhantomData<fn(C)>);
-
-impl<C: Component> Default for NeverHiddenPlugin<C> {
-    fn default() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<C: Component> Plugin for NeverHiddenPlugin<C> {
-    fn build(&self, app: &mut App) {
-        let (id, by) = (app.world_mut().register_component::<C>(), TypeId::of::<C>());
-        watch(app.world_mut(), id, Verdict { by, said: Ok(Surface::InFront), ready: true, watched: true });
-    }
-}
-
-/// Knows which cameras draw materials of the deferred method: those with the component `D`.
-///
-/// `R` is the resource with the app's default method, and the function tells whether that is the
-/// deferred one.
-pub struct DeferredPlugin<D: Component, R: Resource> {
-    is_deferred: fn(&R) -> bool,
-    of: PhantomData<fn(D)>,
-}
-
-impl<D: Component, R: Resource> DeferredPlugin<D, R> {
-    /// Reads the app's default by a function.
-    pub fn new(is_deferred: fn(&R) -> bool) -> Self {
-        Self { is_deferred, of: PhantomData }
-    }
+/// A plugin: nothing hides entities with the component `C`, which are drawn before things that are
+/// nearer.
+pub fn never_hidden<C: Component>(app: &mut App) {
+    let (id, by) = (app.world_mut().register_component::<C>(), TypeId::of::<C>());
+    watch(app.world_mut(), id, Verdict { by, said: Ok(Surface::InFront), ready: true, watched: true });
 }
 
 /// A camera, and what it looks at.
 type Looks = (&'static Camera, Option<&'static RenderLayers>);
 
-impl<D: Component, R: Resource> Plugin for DeferredPlugin<D, R> {
-    fn build(&self, app: &mut App) {
-        let is_deferred = self.is_deferred;
-        let follow = move |mut deferred: ResMut<Deferred>,
-                           default: Option<Res<R>>,
-                           forward: Query<Looks, (With<Camera3d>, Without<D>)>| {
-            let active = forward.iter().filter(|(camera, _)| camera.is_active);
-            let forward = active.fold(0, |all, (_, layers)| all | layers::of_camera(layers));
-            // Materials that were prepared under an earlier default keep it.
-            let by_default = deferred.by_default || default.is_some_and(|default| is_deferred(&default));
-            deferred.set_if_neq(Deferred { forward, by_default });
-        };
+/// A plugin that knows which cameras draw materials of the deferred method: those with the component
+/// `D`.
+///
+/// `R` is the resource with the app's default method, and the function tells whether that is the
+/// deferred one.
+pub fn deferred_by<D: Component, R: Resource>(is_deferred: fn(&R) -> bool) -> impl Plugin {
+    let follow = move |mut deferred: ResMut<Deferred>,
+                       default: Option<Res<R>>,
+                       forward: Query<Looks, (With<Camera3d>, Without<D>)>| {
+        let active = forward.iter().filter(|(camera, _)| camera.is_active);
+        let forward = active.fold(0, |all, (_, layers)| all | layers::of_camera(layers));
+        // Materials that were prepared under an earlier default keep it.
+        let by_default = deferred.by_default || default.is_some_and(|default| is_deferred(&default));
+        deferred.set_if_neq(Deferred { forward, by_default });
+    };
+    move |app: &mut App| {
         app.init_resource::<Deferred>().add_systems(PostUpdate, follow.in_set(CascaSystems::Materials));
     }
 }
@@ -185,10 +164,10 @@ macro_rules! standard_materials {
             $crate::MaterialsPlugin::<
                 pbr::MeshMaterial3d<pbr::decal::ForwardDecalMaterial<pbr::StandardMaterial>>,
             >::new(|_| $crate::Surface::InFront),
-            $crate::NeverHiddenPlugin::<pbr::decal::ForwardDecal>::default(),
-            $crate::NeverHiddenPlugin::<pbr::wireframe::Wireframe>::default(),
-            $crate::NeverHiddenPlugin::<pbr::wireframe::Mesh3dWireframe>::default(),
-            $crate::DeferredPlugin::<$deferred, pbr::DefaultOpaqueRendererMethod>::new(|method| {
+            $crate::never_hidden::<pbr::decal::ForwardDecal>,
+            $crate::never_hidden::<pbr::wireframe::Wireframe>,
+            $crate::never_hidden::<pbr::wireframe::Mesh3dWireframe>,
+            $crate::deferred_by::<$deferred, pbr::DefaultOpaqueRendererMethod>(|method| {
                 // It tells nothing else of itself.
                 let deferred = pbr::DefaultOpaqueRendererMethod::deferred();
                 ::std::format!("{method:?}") == ::std::format!("{deferred:?}")
@@ -279,10 +258,15 @@ impl Judged {
 
 /// Forgets what was found of an entity in time, so that it is judged anew.
 pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
+    keep(commands, entity, |verdict| verdict.watched);
+}
+
+/// Keeps some verdicts on an entity. Without any it counts as never judged.
+fn keep(commands: &mut Commands, entity: Entity, which: impl Fn(&Verdict) -> bool + Send + 'static) {
     let Ok(mut entity) = commands.get_entity(entity) else { return };
-    entity.queue_silenced(|mut entity: EntityWorldMut| {
+    entity.queue_silenced(move |mut entity: EntityWorldMut| {
         let Some(mut judged) = entity.get_mut::<Judged>() else { return };
-        judged.0.retain(|verdict| verdict.watched);
+        judged.0.retain(which);
         if judged.0.is_empty() {
             entity.remove::<Judged>();
         }
@@ -316,6 +300,7 @@ fn judge<C: Component + AsAssetId>(
     events: Option<MessageReader<AssetEvent<C::Asset>>>,
     (images, server): (Res<Images>, Option<Res<AssetServer>>),
     mut told: Local<Told<C::Asset>>,
+    mut waiting: Local<HashSet<AssetId<C::Asset>>>,
 ) {
     let Some(assets) = assets else { return };
     let (by, server) = (TypeId::of::<C>(), server.as_deref());
@@ -323,10 +308,9 @@ fn judge<C: Component + AsAssetId>(
         note(&mut commands, entity, by, None);
     }
     let mut other: HashSet<AssetId<C::Asset>> = HashSet::default();
-    told.hear(events, images.frame, |_| true, |id| _ = other.insert(id));
-    let mut waiting = std::mem::take(&mut told.waiting);
+    hear(&mut told, events, images.frame, |_| true, |id| _ = other.insert(id));
     let is_ready = |id: AssetId<C::Asset>| {
-        let mut ready = told.since(id).is_some();
+        let mut ready = told.contains_key(&id);
         assets.get(id).inspect(|material| {
             material.visit_dependencies(&mut |asset| ready = ready && images.has(asset, server));
         });
@@ -352,7 +336,6 @@ fn judge<C: Component + AsAssetId>(
         }
         note(&mut commands, entity, by, Some(Verdict { by, said, ready, watched: false }));
     }
-    told.waiting = waiting;
 }
 
 /// The component that holds a material, as reflection names it: this crate does not depend on the
@@ -362,18 +345,15 @@ const HOLDER: &str = "bevy_pbr::mesh_material::MeshMaterial3d<";
 /// Notes which entities have a material without a rule, now and later. If there is no rule at all,
 /// their components say whether they hide.
 pub(crate) fn watch_unruled(world: &mut World) {
-    let (Some(rules), Some(registry)) =
-        (world.get_resource::<Rules>(), world.get_resource::<AppTypeRegistry>())
-    else {
-        return;
-    };
+    let Some(rules) = world.get_resource::<Rules>() else { return };
+    let Some(registry) = world.get_resource::<AppTypeRegistry>() else { return };
     let registry = registry.read();
-    let holders = registry.iter().filter(|holder| {
+    let unruled = registry.iter().filter(|holder| {
         holder.type_info().type_path().starts_with(HOLDER) && !rules.0.contains(&holder.type_id())
     });
-    let holders = holders.filter_map(|holder| Some((holder.type_id(), holder.data::<ReflectComponent>()?)));
-    let holders: Vec<(TypeId, ReflectComponent)> =
-        holders.map(|(by, component)| (by, component.clone())).collect();
+    let holders = unruled.filter_map(|holder| Some((holder.type_id(), holder.data()?)));
+    let holders: Vec<_> =
+        holders.map(|(by, component): (_, &ReflectComponent)| (by, component.clone())).collect();
     drop(registry);
     for (by, component) in holders {
         let id = component.register_component(world);
@@ -392,16 +372,10 @@ fn watch(world: &mut World, id: ComponentId, verdict: Verdict) {
     let come = move |on: On<InsertEvent>, mut commands: Commands| {
         note(&mut commands, on.entity, verdict.by, Some(verdict));
     };
-    let go = move |on: On<RemoveEvent>, mut commands: Commands| {
-        note(&mut commands, on.entity, verdict.by, None);
+    let go = move |on: On<RemoveEvent>, mut commands: Commands| match verdict.said {
         // What is no material says nothing about materials.
-        let is_bare = move |judged: &Judged| judged.0.is_empty() && verdict.said.is_ok();
-        let Ok(mut entity) = commands.get_entity(on.entity) else { return };
-        entity.queue_silenced(move |mut entity: EntityWorldMut| {
-            if entity.get::<Judged>().is_some_and(is_bare) {
-                entity.remove::<Judged>();
-            }
-        });
+        Ok(_) => keep(&mut commands, on.entity, move |other| other.by != verdict.by),
+        Err(_) => note(&mut commands, on.entity, verdict.by, None),
     };
     world.spawn(Observer::new(come).with_component(id));
     world.spawn(Observer::new(go).with_component(id));

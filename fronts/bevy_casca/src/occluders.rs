@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy_asset::{AssetId, Assets, RenderAssetUsages};
 use bevy_ecs::entity::{Entity, EntityHashSet};
 use bevy_math::Vec3A;
-use bevy_mesh::{Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
+use bevy_mesh::{Indices, Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy_platform::collections::HashMap;
 use bevy_tasks::futures::check_ready;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
@@ -28,18 +28,11 @@ pub(crate) struct Key {
 }
 
 #[derive(Debug)]
-enum State {
-    /// The asset is not there.
-    Missing,
-    Preparing(Task<Result<TriMesh, WhyNot>>),
-    Ready(Arc<TriMesh>),
-    /// It hides nothing.
-    Useless(WhyNot),
-}
-
-#[derive(Debug)]
 struct Entry {
-    state: State,
+    /// The prepared mesh, or why it hides nothing.
+    state: Result<Arc<TriMesh>, WhyNot>,
+    /// Ends with the entry.
+    task: Option<Task<Result<TriMesh, WhyNot>>>,
     /// The entities that asked for it.
     users: EntityHashSet,
 }
@@ -51,7 +44,8 @@ pub(crate) struct Occluders {
     preparing: Vec<Key>,
     /// Of meshes that only the renderer keeps: they can be read when they come, and no more.
     kept: HashMap<AssetId<Mesh>, Triangles>,
-    stored: Stored,
+    /// Where meshes are stored that are asked for from now on.
+    pub(crate) stored: Stored,
 }
 
 impl Occluders {
@@ -64,44 +58,26 @@ impl Occluders {
         meshes: &Assets<Mesh>,
         most_triangles: usize,
     ) -> Option<Arc<TriMesh>> {
-        let entry = self
-            .entries
-            .entry(key)
-            .or_insert_with(|| Entry { state: State::Missing, users: EntityHashSet::default() });
+        let missing = || Entry { state: Err(WhyNot::NoMesh), task: None, users: EntityHashSet::default() };
+        let entry = self.entries.entry(key).or_insert_with(missing);
         entry.users.insert(entity);
-        if let (State::Missing, Some(mesh)) = (&entry.state, meshes.get(key.mesh)) {
+        if let (Err(WhyNot::NoMesh), Some(mesh)) = (&entry.state, meshes.get(key.mesh)) {
             let kept = self.kept.get(&key.mesh).cloned();
-            entry.state = match kept.map_or_else(|| triangles(mesh, most_triangles), Ok) {
-                Ok((positions, triangles)) => {
-                    self.preparing.push(key);
-                    let pool = AsyncComputeTaskPool::get_or_init(Default::default);
-                    let stored = self.stored.clone();
-                    State::Preparing(
-                        pool.spawn(async move { stored.prepare(positions, triangles, key.sides) }),
-                    )
-                }
-                Err(why) => State::Useless(why),
-            };
+            let read = kept.map_or_else(|| triangles(mesh, most_triangles), Ok);
+            entry.state = read.and_then(|triangles| {
+                let pool = AsyncComputeTaskPool::get_or_init(Default::default);
+                let stored = self.stored.clone();
+                entry.task = Some(pool.spawn(async move { stored.prepare(triangles, key.sides) }));
+                self.preparing.push(key);
+                Err(WhyNot::Preparing)
+            });
         }
-        match &entry.state {
-            State::Ready(mesh) => Some(mesh.clone()),
-            _ => None,
-        }
+        entry.state.clone().ok()
     }
 
     /// Why a mesh hides nothing that was asked for.
     pub(crate) fn why_not(&self, key: &Key) -> Result<(), WhyNot> {
-        match self.entries.get(key).map(|entry| &entry.state) {
-            Some(State::Ready(_)) => Ok(()),
-            Some(State::Preparing(_)) => Err(WhyNot::Preparing),
-            Some(State::Useless(why)) => Err(*why),
-            Some(State::Missing) | None => Err(WhyNot::NoMesh),
-        }
-    }
-
-    /// Meshes that are asked for from now on are stored where the settings say.
-    pub(crate) fn store(&mut self, settings: &CascaSettings) {
-        self.stored.follow(settings);
+        self.entries.get(key).map_or(Err(WhyNot::NoMesh), |entry| entry.state.clone().map(|_| ()))
     }
 
     /// An entity does not need the mesh any more.
@@ -113,12 +89,11 @@ impl Occluders {
 
     /// Takes over meshes that have become ready. Appends the entities that wait for them.
     pub(crate) fn poll(&mut self, out: &mut Vec<Entity>) {
-        let entries = &mut self.entries;
         self.preparing.retain(|key| {
-            let Some(entry) = entries.get_mut(key) else { return false };
-            let State::Preparing(task) = &mut entry.state else { return false };
+            let Some(entry) = self.entries.get_mut(key) else { return false };
+            let Some(task) = &mut entry.task else { return false };
             let Some(done) = check_ready(task) else { return true };
-            entry.state = done.map_or_else(State::Useless, |mesh| State::Ready(Arc::new(mesh)));
+            (entry.state, entry.task) = (done.map(Arc::new), None);
             out.extend(entry.users.iter());
             false
         });
@@ -144,7 +119,7 @@ impl Occluders {
 
     /// The number of meshes that are ready.
     pub(crate) fn ready(&self) -> usize {
-        self.entries.values().filter(|entry| matches!(entry.state, State::Ready(_))).count()
+        self.entries.values().filter(|entry| entry.state.is_ok()).count()
     }
 
     /// Whether some are being prepared.
@@ -174,25 +149,20 @@ fn triangles(mesh: &Mesh, most: usize) -> Result<Triangles, WhyNot> {
         _ => return Err(WhyNot::Positions),
     };
     let indices = mesh.try_indices_option().map_err(|_| WhyNot::Unreadable)?;
-    let mut corners: Box<dyn ExactSizeIterator<Item = u32>> = match indices {
-        Some(bevy_mesh::Indices::U16(indices)) => Box::new(indices.iter().map(|&i| u32::from(i))),
-        Some(bevy_mesh::Indices::U32(indices)) => Box::new(indices.iter().copied()),
-        None => Box::new(0..u32::try_from(positions.len()).unwrap_or(u32::MAX)),
-    };
-    let count = corners.len() / 3;
+    let count = indices.map_or(positions.len(), Indices::len) / 3;
     if count > most {
         return Err(WhyNot::Triangles(count));
     }
-    let mut triangles = Vec::with_capacity(count);
-    while let (Some(a), Some(b), Some(c)) = (corners.next(), corners.next(), corners.next()) {
-        triangles.push([a, b, c]);
-    }
-    Ok((positions, triangles))
+    let corners: Vec<u32> = match indices {
+        Some(indices) => indices.iter().map(|i| i as u32).collect(),
+        None => (0..positions.len() as u32).collect(),
+    };
+    Ok((positions, corners.as_chunks().0.to_vec()))
 }
 
 /// A folder of prepared meshes, or none.
 #[derive(Debug, Clone, Default)]
-struct Stored {
+pub(crate) struct Stored {
     #[cfg(feature = "cache")]
     folder: Option<PathBuf>,
     /// `None` if the folder can be neither made nor read.
@@ -202,31 +172,23 @@ struct Stored {
 
 impl Stored {
     /// Opens the folder of the settings, if it is another one than before.
-    #[cfg(feature = "cache")]
-    fn follow(&mut self, settings: &CascaSettings) {
-        if self.folder == settings.cache {
-            return;
+    #[cfg_attr(not(feature = "cache"), expect(unused_variables, clippy::unused_self))]
+    pub(crate) fn follow(&mut self, settings: &CascaSettings) {
+        #[cfg(feature = "cache")]
+        if self.folder != settings.cache {
+            self.folder.clone_from(&settings.cache);
+            let open = |folder: &PathBuf| {
+                let warn = |why: &std::io::Error| {
+                    bevy_log::warn!("meshes are not stored in {}: {why}", folder.display())
+                };
+                MeshCache::new(folder).inspect_err(warn).ok()
+            };
+            self.cache = self.folder.as_ref().and_then(open).map(Arc::new);
         }
-        self.folder.clone_from(&settings.cache);
-        self.cache = self.folder.as_ref().and_then(|folder| match MeshCache::new(folder) {
-            Ok(cache) => Some(Arc::new(cache)),
-            Err(why) => {
-                bevy_log::warn!("meshes are not stored in {}: {why}", folder.display());
-                None
-            }
-        });
     }
 
-    #[cfg(not(feature = "cache"))]
-    fn follow(&mut self, _: &CascaSettings) {}
-
     /// Prepares a mesh that is drawn from some sides, or reads it.
-    fn prepare(
-        &self,
-        positions: Vec<Vec3>,
-        triangles: Vec<[u32; 3]>,
-        sides: Opaque,
-    ) -> Result<TriMesh, WhyNot> {
+    fn prepare(&self, (positions, triangles): Triangles, sides: Opaque) -> Result<TriMesh, WhyNot> {
         let facing = match sides {
             Opaque::Front => Facing::Front,
             Opaque::Both => Facing::Both,

@@ -8,7 +8,6 @@ use bevy_light::{
     SimulationLightSystems, check_dir_light_mesh_visibility, check_point_light_mesh_visibility,
 };
 use bevy_log::warn;
-use bevy_transform::TransformSystems;
 
 use crate::scene::CascaScene;
 use crate::settings::{CascaSettings, CascaSystems, Shadows};
@@ -37,13 +36,9 @@ impl Plugin for CascaPlugin {
                         .before(SimulationLightSystems::AssignLightsToClusters),
                     CascaSystems::Lights
                         .in_set(SimulationLightSystems::CheckLightVisibility)
-                        .after(VisibilitySystems::CalculateBounds)
                         .after(VisibilitySystems::CheckVisibility)
-                        .after(TransformSystems::Propagate)
-                        .after(SimulationLightSystems::UpdateLightFrusta)
-                        .before(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
+                        .after(SimulationLightSystems::UpdateLightFrusta),
                     CascaSystems::End
-                        .after(CascaSystems::Cameras)
                         .after(SimulationLightSystems::CheckLightVisibility)
                         .before(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
                 ),

@@ -107,22 +107,6 @@ type Present = (Complete, Manageable, Without<Disabled>);
 /// Entities that are looked at when they change.
 type Watched = Or<(With<InScene>, With<Refused>)>;
 
-/// What of an entity may change without another trace.
-type Parts = (
-    Entity,
-    Ref<'static, GlobalTransform>,
-    Ref<'static, Aabb>,
-    Ref<'static, InheritedVisibility>,
-    Option<Ref<'static, Mesh3d>>,
-    Option<Ref<'static, VisibilityClass>>,
-    Option<Ref<'static, RenderLayers>>,
-    Option<Ref<'static, Opaque>>,
-    Option<Ref<'static, Judged>>,
-    Option<Ref<'static, Occluder>>,
-    Option<Ref<'static, NotOccluder>>,
-    Option<Ref<'static, NotShadowCaster>>,
-);
-
 /// So many entities are looked at together.
 const ROWS: usize = 64;
 
@@ -131,34 +115,61 @@ const ROWS: usize = 64;
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Refused(pub(crate) WhyNot);
 
-/// The entities whose state in the scene is to be looked at.
+/// A component whose change may leave no other trace.
 #[derive(SystemParam)]
-pub(crate) struct Candidates<'w, 's> {
-    new: Query<'w, 's, (Entity, &'static Aabb, &'static GlobalTransform), New>,
-    gone: Query<'w, 's, (Entity, &'static InScene), Gone>,
-    parts: Query<'w, 's, Parts, Watched>,
-    all: Query<'w, 's, Entity, Watched>,
-    removed: Removed<'w, 's>,
+pub(crate) struct Part<'w, 's, C: Component> {
+    there: Query<'w, 's, (Entity, Ref<'static, C>), Watched>,
+    gone: RemovedComponents<'w, 's, C>,
 }
 
-/// Of components that count.
-type Removed<'w, 's> = (
-    RemovedComponents<'w, 's, RenderLayers>,
-    RemovedComponents<'w, 's, Opaque>,
-    RemovedComponents<'w, 's, Judged>,
-    RemovedComponents<'w, 's, Occluder>,
-    RemovedComponents<'w, 's, NotOccluder>,
-    RemovedComponents<'w, 's, NotShadowCaster>,
-);
+impl<C: Component> Part<'_, '_, C> {
+    /// Appends entities of which it changed or went.
+    fn note(&mut self, all: &Query<Entity, Watched>, out: &mut Vec<Entity>) {
+        out.extend(self.gone.read().filter(|entity| all.contains(*entity)));
+        let Ok(tables) = self.there.contiguous_iter() else { return out.extend(all) };
+        for (entities, part) in tables {
+            let (last_run, this_run) = (part.last_run_tick(), part.this_run_tick());
+            let is_new = |tick: &Tick| tick.is_newer_than(last_run, this_run);
+            let ticks = ContiguousRef::split(part).1.changed();
+            for (entities, ticks) in entities.chunks(ROWS).zip(ticks.chunks(ROWS)) {
+                // Mostly nothing did: that is found without a branch for each.
+                if ticks.iter().fold(false, |any, tick| any | is_new(tick)) {
+                    let changed = entities.iter().zip(ticks).filter(|(_, tick)| is_new(tick));
+                    out.extend(changed.map(|(entity, _)| *entity));
+                }
+            }
+        }
+    }
+}
+
+macro_rules! parts {
+    ($($name:ident: $part:ty),*) => {
+        #[derive(SystemParam)]
+        pub(crate) struct Parts<'w, 's> { $($name: Part<'w, 's, $part>),* }
+
+        impl Parts<'_, '_> {
+            fn note(&mut self, all: &Query<Entity, Watched>, out: &mut Vec<Entity>) {
+                $(self.$name.note(all, out);)*
+            }
+        }
+    };
+}
+
+parts!(place: GlobalTransform, aabb: Aabb, visible: InheritedVisibility, mesh: Mesh3d,
+    classes: VisibilityClass, layers: RenderLayers, opaque: Opaque, judged: Judged, proxy: Occluder,
+    not_occluder: NotOccluder, not_caster: NotShadowCaster);
 
 /// The system of [`CascaSystems::Sync`](crate::CascaSystems::Sync).
+#[expect(clippy::too_many_arguments, reason = "entities come, change and go in many ways")]
 pub(crate) fn sync(
     mut commands: Commands,
     mut casca: ResMut<CascaScene>,
     (settings, deferred): (Res<CascaSettings>, Option<Res<Deferred>>),
     meshes: Option<Res<Assets<Mesh>>>,
     mut events: Option<MessageReader<AssetEvent<Mesh>>>,
-    mut candidates: Candidates,
+    new: Query<(Entity, &Aabb, &GlobalTransform), New>,
+    gone: Query<(Entity, &InScene), Gone>,
+    (all, mut parts): (Query<Entity, Watched>, Parts),
     mut managed: Query<(Managed, Option<&mut InScene>), Present>,
 ) {
     let Some(meshes) = meshes else { return };
@@ -180,18 +191,15 @@ pub(crate) fn sync(
     casca.frame = casca.frame.wrapping_add(1);
     casca.changes = Changes::default();
     casca.forget();
-    for (entity, known) in &candidates.gone {
+    for (entity, known) in &gone {
         // At once: it may not hide any more in this frame.
         take_out(casca.scene.as_mut(), &mut casca.changes, known.id);
         commands.entity(entity).try_remove::<InScene>();
     }
-    let new = candidates.new.iter();
-    let new = new.map(|(_, aabb, transform)| border::world_box(aabb, &transform.affine()));
-    if grid::choose(casca, new) {
+    let boxes = new.iter().map(|(_, aabb, transform)| border::world_box(aabb, &transform.affine()));
+    if grid::choose(casca, boxes) {
         // All are taken over anew, from the next frame on.
-        candidates.all.iter().for_each(|entity| {
-            commands.entity(entity).try_remove::<InScene>();
-        });
+        all.iter().for_each(|entity| _ = commands.entity(entity).try_remove::<InScene>());
         return;
     }
     let CascaScene { scene: Some(scene), occluders, movers, changes, farthest, frame, shifted, .. } = casca
@@ -204,7 +212,7 @@ pub(crate) fn sync(
     let is_other = deferred.as_ref().is_some_and(DetectChanges::is_changed);
     if std::mem::take(&mut casca.was_off) || is_other || shifted.is_some() {
         // What changed meanwhile is not known.
-        look.extend(&candidates.all);
+        look.extend(&all);
     }
     let shifted =
         shifted.filter(|by| scene.set_origin(scene.origin() + border::vec3(*by).as_dvec3()).is_ok());
@@ -213,11 +221,11 @@ pub(crate) fn sync(
     }
     let deferred = deferred.as_deref().copied().unwrap_or_default();
     occluders.poll(&mut look);
-    occluders.store(&settings);
-    candidates.extend_changed(&mut look);
+    occluders.stored.follow(&settings);
+    parts.note(&all, &mut look);
     let rested = movers.iter().filter(|(_, mover)| mover.rests <= *frame).map(|(entity, _)| *entity);
     look.extend(rested.take(settings.most_new));
-    look.extend(candidates.new.iter().map(|(entity, ..)| entity).take(settings.most_new));
+    look.extend(new.iter().map(|(entity, ..)| entity).take(settings.most_new));
     // Twice would be two objects.
     look.sort_unstable();
     look.dedup();
@@ -238,41 +246,6 @@ pub(crate) fn sync(
         }
     }
     casca.counts.time += start.elapsed();
-}
-
-impl Candidates<'_, '_> {
-    /// Appends entities of which a component changed or went.
-    fn extend_changed(&mut self, out: &mut Vec<Entity>) {
-        let (layers, opaque, judged, proxies, stops, casters) = &mut self.removed;
-        let gone =
-            [layers.read(), opaque.read(), judged.read(), proxies.read(), stops.read(), casters.read()];
-        out.extend(gone.into_iter().flatten());
-        let Ok(tables) = self.parts.contiguous_iter() else { return out.extend(&self.all) };
-        for (entities, place, a, b, c, d, e, f, g, h, i, j) in tables {
-            let (last_run, this_run) = (place.last_run_tick(), place.this_run_tick());
-            let always = [Some(ticks(place)), Some(ticks(a)), Some(ticks(b)), c.map(ticks), d.map(ticks)];
-            let others = [e.map(ticks), f.map(ticks), g.map(ticks), h.map(ticks), i.map(ticks), j.map(ticks)];
-            let columns: Vec<&[Tick]> = always.into_iter().chain(others).flatten().collect();
-            let is_new = |tick: &Tick| tick.is_newer_than(last_run, this_run);
-            for (first, entities) in (0..).step_by(ROWS).zip(entities.chunks(ROWS)) {
-                let mut changed = 0_u64;
-                for column in &columns {
-                    let column = &column[first..first + entities.len()];
-                    // Mostly nothing did: that is found without a branch for each.
-                    if column.iter().fold(false, |any, tick| any | is_new(tick)) {
-                        let rows = (0..).zip(column).map(|(row, tick)| u64::from(is_new(tick)) << row);
-                        changed |= rows.fold(0, |all, row| all | row);
-                    }
-                }
-                let changed = (0..).zip(entities).filter(|(row, _)| changed >> row & 1 != 0);
-                out.extend(changed.map(|(_, entity)| *entity));
-            }
-        }
-    }
-}
-
-fn ticks<T>(part: ContiguousRef<'_, T>) -> &[Tick] {
-    ContiguousRef::split(part).1.changed()
 }
 
 struct Sync<'a> {
@@ -307,13 +280,14 @@ impl Sync<'_> {
             *self.farthest = self.farthest.max(around.0.abs().max(around.1.abs()).max_element());
         }
         let Some(mut known) = known else { return done };
-        let stays = |new: &Option<InScene>| new.as_ref().is_none_or(|new| new.key == known.key);
-        let leaves = !done.as_ref().is_ok_and(stays);
-        if let Some(key) = known.key.filter(|_| leaves) {
-            self.occluders.leave(key, item.entity);
-        }
         match done {
-            Ok(new) => new.into_iter().for_each(|new| *known = new),
+            Ok(Some(new)) => {
+                if let Some(key) = known.key.filter(|_| new.key != known.key) {
+                    self.occluders.leave(key, item.entity);
+                }
+                *known = new;
+            }
+            Ok(None) => {}
             Err(refusal) => {
                 // Unless it was taken out already.
                 take_out(Some(&mut *self.scene), self.changes, known.id);
@@ -368,7 +342,7 @@ impl Sync<'_> {
         }
         if moves && (moved || differs || other_box) {
             let rests = self.movers.get(&item.entity).filter(|_| !moved).map(|mover| mover.rests);
-            self.note_mover(item, around, rests.unwrap_or_else(|| self.still_from()));
+            self.note_mover(item, around, rests);
         }
         if layers != known.layers {
             self.scene.set_layers(id, layers)?;
@@ -381,15 +355,13 @@ impl Sync<'_> {
         self.movers.get(&entity).is_none_or(|mover| mover.rests <= self.frame)
     }
 
-    fn note_mover(&mut self, item: &ManagedItem, around: (Vec3A, Vec3A), rests: u32) {
-        // What has a skin never counts as still.
-        let rests = if item.skinned { u32::MAX } else { rests };
+    /// Notes where an entity is, and from which frame on it counts as still: by default as if it had
+    /// moved now.
+    fn note_mover(&mut self, item: &ManagedItem, around: (Vec3A, Vec3A), rests: Option<u32>) {
+        // What has a skin never does.
+        let pause = if item.skinned { u32::MAX } else { self.settings.still_after };
+        let rests = rests.filter(|_| !item.skinned).unwrap_or(self.frame.saturating_add(pause));
         self.movers.insert(item.entity, Mover { rests, around, at: item.transform.affine() });
-    }
-
-    /// The frame from which on an entity counts as still that moved in this one.
-    fn still_from(&self) -> u32 {
-        self.frame.saturating_add(self.settings.still_after)
     }
 
     /// Puts an entity into the scene.
@@ -404,18 +376,17 @@ impl Sync<'_> {
         let mesh = key.and_then(|key| self.ask(key, item));
         // A mesh that reaches out of the box is drawn where that is not looked for.
         let placed = mesh.map(|mesh| match border::holds(&bounds, &mesh.aabb()) {
-            true => Ok(self.scene.insert(common(desc.clone()).occluder(mesh))?),
+            true => self.scene.insert(common(desc.clone()).occluder(mesh)).map_err(WhyNot::from),
             false => Err(WhyNot::OutOfBox),
         });
-        let (placed, refused) = match placed {
-            Some(Err(why)) => (None, Some(Box::new(why))),
-            placed => (placed.and_then(Result::ok), None),
-        };
+        let placed = placed.transpose();
+        let refused = placed.err().map(Box::new);
+        let placed = placed.ok().flatten();
         let is_boxed = moves && placed.is_none();
         let plain = if is_boxed { boxed } else { desc };
         let id = placed.map_or_else(|| self.scene.insert(common(plain)), Ok)?;
         if moves {
-            self.note_mover(item, around, self.still_from());
+            self.note_mover(item, around, None);
         } else {
             self.movers.remove(&item.entity);
         }

@@ -3,53 +3,33 @@
 use bevy_asset::{Asset, AssetEvent, AssetId, AssetServer, Assets, RenderAssetUsages, UntypedAssetId};
 use bevy_ecs::prelude::*;
 use bevy_image::Image;
-use bevy_platform::collections::{HashMap, HashSet};
+use bevy_platform::collections::HashMap;
 
-/// The assets of a kind that the renderer was told of.
-pub(crate) struct Told<A: Asset> {
-    /// The frame in which, for each.
-    since: HashMap<AssetId<A>, u32>,
-    /// Those that wait for others.
-    pub(crate) waiting: HashSet<AssetId<A>>,
-}
+/// The assets of a kind that the renderer was told of, and the frame in which it was.
+pub(crate) type Told<A> = HashMap<AssetId<A>, u32>;
 
-impl<A: Asset> Default for Told<A> {
-    fn default() -> Self {
-        Self { since: HashMap::default(), waiting: HashSet::default() }
-    }
-}
-
-impl<A: Asset> Told<A> {
-    /// Reads what the renderer reads in this frame, too. Calls `removed` for what went.
-    pub(crate) fn hear(
-        &mut self,
-        events: Option<MessageReader<AssetEvent<A>>>,
-        frame: u32,
-        can_be_used: impl Fn(AssetId<A>) -> bool,
-        mut removed: impl FnMut(AssetId<A>),
-    ) {
-        let Some(mut events) = events else { return };
-        for event in events.read() {
-            match *event {
-                AssetEvent::Added { id } | AssetEvent::Modified { id } if can_be_used(id) => {
-                    self.since.entry(id).or_insert(frame);
-                }
-                AssetEvent::LoadedWithDependencies { .. } => {}
-                AssetEvent::Added { id }
-                | AssetEvent::Modified { id }
-                | AssetEvent::Removed { id }
-                | AssetEvent::Unused { id } => {
-                    if self.since.remove(&id).is_some() {
-                        removed(id);
-                    }
-                }
-            }
+/// Reads what the renderer reads in this frame, too. Calls `removed` for what went.
+pub(crate) fn hear<A: Asset>(
+    told: &mut Told<A>,
+    events: Option<MessageReader<AssetEvent<A>>>,
+    frame: u32,
+    can_be_used: impl Fn(AssetId<A>) -> bool,
+    mut removed: impl FnMut(AssetId<A>),
+) {
+    let Some(mut events) = events else { return };
+    for event in events.read() {
+        let (AssetEvent::Added { id }
+        | AssetEvent::Modified { id }
+        | AssetEvent::Removed { id }
+        | AssetEvent::Unused { id }) = *event
+        else {
+            continue;
+        };
+        if matches!(event, AssetEvent::Added { .. } | AssetEvent::Modified { .. }) && can_be_used(id) {
+            told.entry(id).or_insert(frame);
+        } else if told.remove(&id).is_some() {
+            removed(id);
         }
-    }
-
-    /// The frame in which the renderer was told of an asset.
-    pub(crate) fn since(&self, id: AssetId<A>) -> Option<u32> {
-        self.since.get(&id).copied()
     }
 }
 
@@ -67,7 +47,7 @@ impl Images {
     /// after the materials of the same frame: these wait for the next one.
     pub(crate) fn has(&self, id: UntypedAssetId, server: Option<&AssetServer>) -> bool {
         match id.try_typed::<Image>() {
-            Ok(image) => self.told.since(image).is_some_and(|told| told != self.frame),
+            Ok(image) => self.told.get(&image).is_some_and(|told| *told != self.frame),
             // The server does not know of those that were made, not loaded.
             Err(_) => {
                 server.and_then(|server| server.get_load_state(id)).is_none_or(|state| state.is_loaded())
@@ -87,5 +67,5 @@ pub(crate) fn follow_images(
     *lost = false;
     let for_renderer = |image: &Image| image.asset_usage.contains(RenderAssetUsages::RENDER_WORLD);
     let can_be_used = |id| assets.as_ref().and_then(|all| all.get(id)).is_some_and(for_renderer);
-    told.hear(events, *frame, can_be_used, |_| *lost = true);
+    hear(told, events, *frame, can_be_used, |_| *lost = true);
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use bevy_math::{DAffine3, DMat3, DVec3};
+use bevy_math::DVec3;
 use casca_scenes::random::Dice;
 use common::*;
 
@@ -18,10 +18,6 @@ const DOUBT: f64 = 1e-3;
 const NEAR: f64 = 0.1;
 /// Farther away than anything is.
 const FAR: f64 = 200.0;
-
-/// Disables entities, as the program below registers it.
-#[derive(Component)]
-struct Asleep;
 
 /// A number below another.
 fn below(dice: &mut Dice, n: u32) -> u32 {
@@ -68,9 +64,8 @@ fn picture(usage: RenderAssetUsages) -> Image {
 }
 
 fn world_of_boxes(seed: u64) -> App {
-    let mut app = headless(true);
+    let mut app = painted();
     app.world_mut().register_disabling_component::<Asleep>();
-    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<MeshMaterial3d<Paint>>::new(paint_rule));
     app.add_systems(
         PostUpdate,
         late.after(VisibilitySystems::CalculateBounds)
@@ -86,11 +81,13 @@ fn world_of_boxes(seed: u64) -> App {
     let never = images.reserve_handle();
     let unseen = images.add(picture(RenderAssetUsages::MAIN_WORLD));
     let there = images.reserve_handle();
-    let plain = [(false, false), (true, false), (false, true)].map(|look| (look, None));
-    let pictured = [there.clone(), never, unseen].map(|picture| ((false, false), Some(picture)));
+    let glass = Paint { alpha_mode: "blend", ..Paint::default() };
+    let in_front = Paint { depth_bias: 1.0, ..Paint::default() };
+    let pictured = [there.clone(), never, unseen];
+    let pictured = pictured.map(|it| Paint { base_color_texture: Some(it), ..Paint::default() });
     let mut paints = world.resource_mut::<Assets<Paint>>();
-    let add = |((glass, in_front), picture)| paints.add(Paint { glass, in_front, picture });
-    let paints = plain.into_iter().chain(pictured).map(add).collect();
+    let all = [Paint::default(), glass, in_front].into_iter().chain(pictured);
+    let paints = all.map(|paint| paints.add(paint)).collect();
     let stock = Stock {
         meshes: vec![world.resource::<Cube>().0.clone(), aside, Handle::default()],
         paints,
@@ -136,8 +133,8 @@ fn put<C: Component>(entity: &mut EntityWorldMut, component: Option<C>) {
 fn change(world: &mut World, dice: &mut Dice, frame: u32) {
     let stock = world.resource::<Stock>().clone();
     let nr = below(dice, BOXES);
-    let parent = entity_of(world, PARENTS[below(dice, 3) as usize]).unwrap();
-    let Some(id) = entity_of(world, nr) else { return };
+    let parent = find(world, PARENTS[below(dice, 3) as usize]).unwrap();
+    let Some(id) = find(world, nr) else { return };
     let mut thing = world.entity_mut(id);
     let (coin, three) = (below(dice, 2) == 0, below(dice, 3) as usize);
     match below(dice, 27) {
@@ -175,7 +172,8 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
         22 => mend(world, id, nr, dice),
         23 => *world.get_mut(parent).unwrap() = [Visibility::Hidden, Visibility::Inherited][coin as usize],
         24 => world.get_mut::<Transform>(parent).unwrap().translation = point(dice, 2.0),
-        _ => change_assets(world, &stock, dice, frame),
+        _ if frame > 0 => change_assets(world, &stock, dice, frame),
+        _ => {}
     }
 }
 
@@ -194,37 +192,26 @@ fn mend(world: &mut World, id: Entity, nr: u32, dice: &mut Dice) {
 
 /// Materials and pictures change where Bevy can tell the renderer in the same frame.
 fn change_assets(world: &mut World, stock: &Stock, dice: &mut Dice, frame: u32) {
-    if frame == 0 {
-        return;
-    }
     if below(dice, 2) == 0 {
         let mut paints = world.resource_mut::<Assets<Paint>>();
         let mut paint = paints.get_mut(&stock.paints[3]).unwrap();
-        paint.glass = below(dice, 2) == 0;
+        paint.alpha_mode = ["blend", "opaque"][below(dice, 2) as usize];
         return;
     }
-    let (image, since) = stock.picture.clone();
-    let mut images = world.resource_mut::<Assets<Image>>();
-    let came = match since {
-        // A renderer keeps what it was given.
-        Some(_) => since,
-        None => images.insert(&image, picture(RenderAssetUsages::default())).ok().map(|()| frame),
-    };
-    world.resource_mut::<Stock>().picture.1 = came;
-}
-
-/// As [`entity`], of entities that may be disabled, too.
-fn entity_of(world: &mut World, nr: u32) -> Option<Entity> {
-    let mut all = world.query::<(Entity, &Nr, Has<Disabled>, Has<Asleep>)>();
-    all.iter(world).find(|(_, found, ..)| found.0 == nr).map(|(entity, ..)| entity)
+    // A renderer keeps what it was given.
+    let (image, None) = stock.picture.clone() else { return };
+    let picture = picture(RenderAssetUsages::default());
+    world.resource_mut::<Assets<Image>>().insert(&image, picture).unwrap();
+    world.resource_mut::<Stock>().picture.1 = Some(frame);
 }
 
 /// A box that Bevy draws.
 struct Drawn {
     entity: Entity,
-    to_box: DAffine3,
+    middle: DVec3,
     half: DVec3,
-    paint: Paint,
+    glass: bool,
+    in_front: bool,
     /// An [`Occluder`] hides from both sides, also from an eye in it.
     both: bool,
     for_camera: bool,
@@ -234,8 +221,7 @@ struct Drawn {
 impl Drawn {
     /// Where a ray is in the box, which is made larger on all sides by so much.
     fn span(&self, from: DVec3, along: DVec3, larger: f64) -> Option<(f64, f64)> {
-        let (from, along) = (self.to_box.transform_point3(from), self.to_box.transform_vector3(along));
-        let half = self.half + larger;
+        let (from, half) = (from - self.middle, self.half + larger);
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let (a, b) = ((-half[axis] - from[axis]) / along[axis], (half[axis] - from[axis]) / along[axis]);
@@ -245,55 +231,43 @@ impl Drawn {
     }
 }
 
-type Parts = (
-    Entity,
-    &'static Mesh3d,
-    &'static GlobalTransform,
-    &'static InheritedVisibility,
-    Option<&'static VisibilityClass>,
-    Option<&'static RenderLayers>,
-    &'static MeshMaterial3d<Paint>,
-    (Has<NotShadowCaster>, Has<NoCpuCulling>, Has<Opaque>, Has<Occluder>),
-);
-
 /// All boxes that a renderer draws, by the components of Bevy's own queries.
 fn drawn(world: &mut World, frame: u32) -> Vec<Drawn> {
     let stock = world.resource::<Stock>().clone();
     let paints = world.resource::<Assets<Paint>>();
     let paints: Vec<_> = stock.paints.iter().map(|paint| paints.get(paint).unwrap().clone()).collect();
-    let mut all = world.query_filtered::<Parts, With<ViewVisibility>>();
-    let drawn = all.iter(world).filter_map(|parts| {
-        let (entity, mesh, at, inherited, classes, layers, painted, has) = parts;
-        let (no_shadow, no_list, is_opaque, is_occluder) = has;
+    let all = world.iter_entities().filter(|one| !one.contains::<Disabled>() && !one.contains::<Asleep>());
+    let drawn = all.filter(|one| one.contains::<ViewVisibility>()).filter_map(|one| {
+        let (mesh, at) = (one.get::<Mesh3d>()?, one.get::<GlobalTransform>()?);
+        let (painted, inherited) = (one.get::<MeshMaterial3d<Paint>>()?, one.get::<InheritedVisibility>()?);
+        let [no_shadow, no_list] = [one.contains::<NotShadowCaster>(), one.contains::<NoCpuCulling>()];
+        let is_occluder = one.contains::<Occluder>();
         let paint = stock.paints.iter().position(|paint| *paint == painted.0).unwrap();
         let ready = match paint {
             3 => stock.picture.1.is_some_and(|since| since < frame),
             paint => paint < 3,
         };
         let by_default = RenderLayers::default();
-        let on_layer = layers.is_none_or(|layers| layers.intersects(&by_default));
+        let on_layer = one.get::<RenderLayers>().is_none_or(|layers| layers.intersects(&by_default));
         if mesh.0 != stock.meshes[0] || !inherited.get() || !ready || !on_layer {
             return None;
         }
-        // A scaled box, as one of its size: margins are lengths then.
+        // None of them is turned.
         let place: Affine3A = at.affine();
-        let axes = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
-        let size = DVec3::from_array(axes.map(|axis| f64::from(axis.length())));
-        let turned = axes.map(|axis| Vec3::from(axis.normalize_or_zero()).as_dvec3());
-        let turned = DMat3::from_cols(turned[0], turned[1], turned[2]);
-        let middle = Vec3::from(place.translation).as_dvec3();
+        let classes = one.get::<VisibilityClass>();
         let is_mesh = classes.is_some_and(|classes| classes.contains(&TypeId::of::<Mesh3d>()));
-        let mut paint = paints[paint].clone();
         // Who says so is believed.
-        paint.glass &= !(is_opaque || is_occluder);
+        let glass = paints[paint].alpha_mode != "opaque" && !one.contains::<Opaque>() && !is_occluder;
+        let in_front = paints[paint].depth_bias != 0.0;
         Some(Drawn {
-            entity,
-            to_box: DAffine3::from_mat3_translation(turned, middle).inverse(),
-            half: size / 2.0,
+            entity: one.id(),
+            middle: place.translation.as_dvec3(),
+            half: (place.matrix3 * Vec3::splat(0.5)).as_dvec3(),
             both: is_occluder,
             for_camera: is_mesh && !no_list,
-            for_light: !paint.glass && !paint.in_front && !no_shadow && !no_list,
-            paint,
+            for_light: !glass && !in_front && !no_shadow && !no_list,
+            glass,
+            in_front,
         })
     });
     drawn.collect()
@@ -313,7 +287,7 @@ fn follow(
     let enters = |one: &Drawn| one.span(from, along, -DOUBT).map(|(enter, _)| enter);
     let is_cut = |one: &Drawn| !one.both && enters(one).is_some_and(|enter| enter < ends[0] - DOUBT);
     let mut stops: Vec<(Entity, f64)> = Vec::new();
-    for one in boxes.iter().filter(|one| !one.paint.glass && !one.paint.in_front && !is_cut(one)) {
+    for one in boxes.iter().filter(|one| !one.glass && !one.in_front && !is_cut(one)) {
         let span = one.span(from, along, DOUBT).filter(|(_, leave)| *leave > 0.0);
         stops.extend(span.map(|(enter, _)| (one.entity, enter)));
     }
@@ -324,7 +298,7 @@ fn follow(
         let Some((enter, _)) = span else { continue };
         let is_free = stops.iter().all(|(other, stop)| *other == one.entity || *stop > enter);
         let listed = list.contains(&one.entity);
-        assert!(listed || !(one.paint.in_front || is_free), "{what}: {} is lost, at {enter}", one.entity);
+        assert!(listed || !(one.in_front || is_free), "{what}: {} is lost, at {enter}", one.entity);
         hidden += usize::from(!listed);
     }
     hidden
@@ -339,17 +313,16 @@ fn look(app: &mut App, dice: &mut Dice, frame: u32, what: &str) -> [usize; 3] {
     let [camera, sun, lamp] = [CAMERA, SUN, LAMP].map(|nr| entity(world, nr));
     let place = |entity| world.get::<GlobalTransform>(entity).unwrap().affine();
     let eye = place(camera);
-    let seen = world.get::<VisibleEntities>(camera).unwrap();
-    let seen = seen.get(TypeId::of::<Mesh3d>()).iter().copied().collect();
-    let from = Vec3::from(eye.translation).as_dvec3();
+    let lists = world.get::<VisibleEntities>(camera).unwrap();
+    let seen = lists.get(TypeId::of::<Mesh3d>()).iter().copied().collect();
+    let is_lit = lists.get(TypeId::of::<ClusterVisibilityClass>()).contains(&lamp);
+    let from = eye.translation.as_dvec3();
     let shone = world.get::<CubemapVisibleEntities>(lamp).unwrap();
     let shone: BTreeSet<_> = shone.iter().flat_map(|list| &list.entities).copied().collect();
-    let bulb = Vec3::from(place(lamp).translation).as_dvec3();
+    let bulb = place(lamp).translation.as_dvec3();
     let lit = world.get::<CascadesVisibleEntities>(sun).unwrap();
     let lit: BTreeSet<_> = lit.entities.values().flatten().flat_map(|list| &list.entities).copied().collect();
-    let down = -Vec3::from(place(sun).matrix3.z_axis).as_dvec3();
-    let is_lit = world.get::<VisibleEntities>(camera).unwrap().get(TypeId::of::<ClusterVisibilityClass>());
-    let is_lit = is_lit.contains(&lamp);
+    let down = -place(sun).matrix3.z_axis.as_dvec3();
     let mut hidden = [0; 3];
     for _ in 0..250 {
         // Within the view, which is 45 degrees high.
@@ -395,7 +368,7 @@ fn what_bevy_does_not_draw_never_hides() {
                 world.get_mut::<Transform>(lamp).unwrap().translation = point(&mut dice, 8.0);
                 // Walls wear out.
                 for nr in [below(&mut dice, WALLS), below(&mut dice, WALLS), below(&mut dice, BOXES)] {
-                    entity_of(world, nr).into_iter().for_each(|id| mend(world, id, nr, &mut dice));
+                    find(world, nr).into_iter().for_each(|id| mend(world, id, nr, &mut dice));
                 }
             }
             app.update();

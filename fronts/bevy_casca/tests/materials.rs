@@ -7,26 +7,20 @@ use common::*;
 
 #[test]
 fn a_material_decides_who_hides_and_who_is_never_hidden() {
-    let mut app = headless(true);
-    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<MeshMaterial3d<Paint>>::new(paint_rule));
+    let mut app = painted();
     let world = app.world_mut();
     let mut add = |paint| world.resource_mut::<Assets<Paint>>().add(paint);
     let wall = add(Paint::default());
-    let glass = add(Paint { glass: true, ..Paint::default() });
-    let in_front = add(Paint { in_front: true, ..Paint::default() });
-    let entity_of_wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
-    world.entity_mut(entity_of_wall).insert(MeshMaterial3d(wall.clone()));
-    things_behind(world, 1);
-    for nr in 1..51 {
-        let paint = [&glass, &in_front][usize::from(nr < 6)];
+    let glass = add(Paint { alpha_mode: "blend", ..Paint::default() });
+    let in_front = add(Paint { depth_bias: 1.0, ..Paint::default() });
+    fn paint(world: &mut World, nr: u32, paint: &Handle<Paint>) {
         on(world, nr, |thing| done(thing.insert(MeshMaterial3d(paint.clone()))));
     }
-    let seen = |app: &mut App| {
-        app.update();
-        lists(app)[&CAMERA].len()
-    };
+    spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
+    things_behind(world, 1);
+    paint(world, 0, &wall);
+    (1..51).for_each(|nr| paint(world, nr, if nr < 6 { &in_front } else { &glass }));
     settle(&mut app);
-    assert_eq!(seen(&mut app), 6, "the wall, and five that are drawn in front of it");
     let measured = |app: &App, path| {
         app.world().resource::<DiagnosticsStore>().get(&path).and_then(|found| found.value()).unwrap()
     };
@@ -35,133 +29,50 @@ fn a_material_decides_who_hides_and_who_is_never_hidden() {
     assert_eq!(counts.map(|path| measured(&app, path)), [46.0, 1.0, 45.0, 1.0, 0.0]);
     assert!(measured(&app, Of::TIME) > 0.0);
 
-    let set_glass = |app: &mut App, glass| {
-        let mut paints = app.world_mut().resource_mut::<Assets<Paint>>();
-        paints.get_mut(&wall).unwrap().glass = glass;
+    let turn = |world: &mut World, alpha_mode| {
+        world.resource_mut::<Assets<Paint>>().get_mut(&wall).unwrap().alpha_mode = alpha_mode;
     };
-    set_glass(&mut app, true);
-    assert_eq!(seen(&mut app), 51, "glass hides nothing, from the same frame on");
-    assert_eq!(why_not(&mut app, 0), Some(WhyNot::NotOpaque));
-    assert_eq!(why_not(&mut app, 3), Some(WhyNot::InFront));
-    set_glass(&mut app, false);
-    assert_eq!(seen(&mut app), 6);
-    // Another material in the same place.
-    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(entity_of_wall).unwrap().0 = glass.clone();
-    assert_eq!(seen(&mut app), 51);
-    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(entity_of_wall).unwrap().0 = wall.clone();
-    assert_eq!(seen(&mut app), 6);
-    app.world_mut().entity_mut(entity_of_wall).remove::<MeshMaterial3d<Paint>>();
-    assert_eq!(seen(&mut app), 51);
-    app.world_mut().entity_mut(entity_of_wall).insert(MeshMaterial3d(wall.clone()));
-    assert_eq!(seen(&mut app), 6);
-    app.world_mut().resource_mut::<Assets<Paint>>().remove(&wall);
-    assert_eq!(seen(&mut app), 51, "without its material it is not drawn");
-    assert_eq!(why_not(&mut app, 0), Some(WhyNot::NoMaterial));
-    app.world_mut().entity_mut(entity_of_wall).insert(Opaque::Front);
-    assert_eq!(seen(&mut app), 51, "whatever is told of it");
-    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(entity_of_wall).unwrap().0 = glass.clone();
-    assert_eq!(seen(&mut app), 6, "it is told to be opaque");
-    // No longer drawn in front.
-    let thing = entity(app.world_mut(), 3);
-    app.world_mut().get_mut::<MeshMaterial3d<Paint>>(thing).unwrap().0 = glass;
-    assert_eq!(seen(&mut app), 5);
-}
-
-/// As much of `bevy_pbr` as the rule for its material asks for.
-mod pbr {
-    pub use super::common::MeshMaterial3d;
-    use super::*;
-
-    #[derive(Debug, Clone, Copy, PartialEq, Default)]
-    pub enum AlphaMode {
-        #[default]
-        Opaque,
-        Mask(f32),
-        Blend,
-    }
-
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    pub enum Face {
-        Front,
-        Back,
-    }
-
-    #[derive(Debug, Clone, Copy, PartialEq, Default)]
-    pub enum OpaqueRendererMethod {
-        #[default]
-        Forward,
-        Deferred,
-        Auto,
-    }
-
-    #[derive(Resource, Debug, Default)]
-    #[expect(dead_code, reason = "its text is read")]
-    pub struct DefaultOpaqueRendererMethod(OpaqueRendererMethod);
-
-    impl DefaultOpaqueRendererMethod {
-        pub fn deferred() -> Self {
-            Self(OpaqueRendererMethod::Deferred)
-        }
-    }
-
-    pub mod decal {
-        use super::*;
-
-        #[derive(Component)]
-        pub struct ForwardDecal;
-
-        #[derive(Asset, TypePath)]
-        pub struct ForwardDecalMaterial<B: Asset>(pub std::marker::PhantomData<B>);
-    }
-
-    pub mod wireframe {
-        use super::*;
-
-        #[derive(Component)]
-        pub struct Wireframe;
-
-        #[derive(Component)]
-        pub struct Mesh3dWireframe;
-    }
-
-    #[derive(Asset, TypePath, Clone)]
-    pub struct StandardMaterial {
-        pub alpha_mode: AlphaMode,
-        pub cull_mode: Option<Face>,
-        pub depth_bias: f32,
-        pub specular_transmission: f32,
-        pub opaque_render_method: OpaqueRendererMethod,
-        #[dependency]
-        pub base_color_texture: Option<Handle<Image>>,
-    }
-
-    impl Default for StandardMaterial {
-        fn default() -> Self {
-            Self {
-                alpha_mode: AlphaMode::Opaque,
-                cull_mode: Some(Face::Back),
-                depth_bias: 0.0,
-                specular_transmission: 0.0,
-                opaque_render_method: OpaqueRendererMethod::Auto,
-                base_color_texture: None,
-            }
-        }
+    let bare = |world: &mut World| on(world, 0, |wall| done(wall.remove::<MeshMaterial3d<Paint>>()));
+    let lose = |world: &mut World| _ = world.resource_mut::<Assets<Paint>>().remove(&wall);
+    // What changes, how many are seen from the same frame on, and why the wall hides nothing.
+    type Step<'a> = (&'a dyn Fn(&mut World), usize, Option<WhyNot>);
+    let steps: [Step; 12] = [
+        // The wall, and five that are drawn in front of it.
+        (&|_| {}, 6, None),
+        (&|world| turn(world, "blend"), 51, Some(WhyNot::NotOpaque)),
+        (&|world| turn(world, "opaque"), 6, None),
+        (&|world| paint(world, 0, &glass), 51, Some(WhyNot::NotOpaque)),
+        (&|world| paint(world, 0, &wall), 6, None),
+        (&bare, 51, Some(WhyNot::NoMaterial)),
+        (&|world| paint(world, 0, &wall), 6, None),
+        // Without its material it is not drawn, whatever is told of it.
+        (&lose, 51, Some(WhyNot::NoMaterial)),
+        (&|world| on(world, 0, |wall| done(wall.insert(Opaque::Front))), 51, Some(WhyNot::NoMaterial)),
+        (&|world| paint(world, 0, &glass), 6, None),
+        (&|world| paint(world, 0, &in_front), 51, Some(WhyNot::InFront)),
+        // No longer drawn in front.
+        (&|world| [0, 3].iter().for_each(|nr| paint(world, *nr, &glass)), 5, None),
+    ];
+    for (nr, (change, seen, why)) in steps.into_iter().enumerate() {
+        change(app.world_mut());
+        app.update();
+        assert_eq!(lists(&mut app)[&CAMERA].len(), seen, "step {nr}");
+        assert_eq!(why_not(&mut app, 0), why, "step {nr}");
+        assert_eq!(why_not(&mut app, 5), Some(WhyNot::InFront));
     }
 }
 
 #[test]
 fn standard_materials_hide_if_they_are_opaque_from_the_sides_that_are_drawn() {
-    use pbr::{AlphaMode, Face, StandardMaterial};
-    let plain = StandardMaterial::default;
+    let plain = Paint::default;
     // What a camera sees of a wall and of what is behind it, from outside and from within the wall.
     let table = [
         (plain(), [1, 2]),
-        (StandardMaterial { cull_mode: None, ..plain() }, [1, 1]),
-        (StandardMaterial { cull_mode: Some(Face::Front), ..plain() }, [2, 2]),
-        (StandardMaterial { alpha_mode: AlphaMode::Blend, ..plain() }, [2, 2]),
-        (StandardMaterial { alpha_mode: AlphaMode::Mask(0.5), ..plain() }, [2, 2]),
-        (StandardMaterial { specular_transmission: 0.1, ..plain() }, [2, 2]),
-        (StandardMaterial { depth_bias: -1.0, ..plain() }, [2, 2]),
+        (Paint { cull_mode: None, ..plain() }, [1, 1]),
+        (Paint { cull_mode: Some("front"), ..plain() }, [2, 2]),
+        (Paint { alpha_mode: "blend", ..plain() }, [2, 2]),
+        (Paint { specular_transmission: 0.1, ..plain() }, [2, 2]),
+        (Paint { depth_bias: -1.0, ..plain() }, [2, 2]),
     ];
     for (row, (material, expected)) in table.into_iter().enumerate() {
         for (z, expected) in [20.0, 0.0].into_iter().zip(expected) {
@@ -175,24 +86,17 @@ fn standard_materials_hide_if_they_are_opaque_from_the_sides_that_are_drawn() {
 }
 
 /// An app with a wall of a material, and a thing behind it.
-fn walled(material: pbr::StandardMaterial) -> App {
-    let mut app = headless(true);
-    app.init_asset::<pbr::StandardMaterial>().register_type::<pbr::MeshMaterial3d<Paint>>();
-    app.init_asset::<Paint>().init_asset::<pbr::decal::ForwardDecalMaterial<pbr::StandardMaterial>>();
-    app.init_resource::<pbr::DefaultOpaqueRendererMethod>();
-    app.add_plugins(bevy_casca::standard_materials!(pbr, DeferredPrepass));
+fn walled(material: Paint) -> App {
+    let mut app = painted();
     let world = app.world_mut();
-    let material = world.resource_mut::<Assets<pbr::StandardMaterial>>().add(material);
+    let material = world.resource_mut::<Assets<Paint>>().add(material);
     let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 4.0));
-    world.entity_mut(wall).insert(pbr::MeshMaterial3d(material));
+    world.entity_mut(wall).insert(MeshMaterial3d(material));
     spawn_box(world, 1, Vec3::new(0.0, 0.0, -10.0), Vec3::splat(0.4));
     spawn_camera(world, CAMERA, Transform::from_xyz(0.1, 0.1, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
     settle(&mut app);
     app
 }
-
-#[derive(Component)]
-struct DeferredPrepass;
 
 /// Whether the wall hides the thing behind it in the next frame.
 fn hides(app: &mut App) -> bool {
@@ -203,21 +107,15 @@ fn hides(app: &mut App) -> bool {
 #[test]
 fn a_material_hides_when_the_renderer_has_what_it_needs() {
     let picture = |usage| Image { asset_usage: usage, ..Image::default() };
-    let textured = |handle: &Handle<Image>| pbr::StandardMaterial {
-        base_color_texture: Some(handle.clone()),
-        ..Default::default()
-    };
     // One that never comes, also with what says that it hides.
     let mut app = walled(Default::default());
     assert!(hides(&mut app));
     let handle = app.world().resource::<Assets<Image>>().reserve_handle();
-    let set = |app: &mut App, material: pbr::StandardMaterial| {
-        let wall = entity(app.world_mut(), 0);
-        let id = app.world().get::<pbr::MeshMaterial3d<pbr::StandardMaterial>>(wall).unwrap().0.id();
-        let mut all = app.world_mut().resource_mut::<Assets<pbr::StandardMaterial>>();
-        *all.get_mut(id).unwrap() = material;
+    let set = |app: &mut App, picture: &Handle<Image>| {
+        let mut all = app.world_mut().resource_mut::<Assets<Paint>>();
+        all.iter_mut().for_each(|(_, paint)| paint.base_color_texture = Some(picture.clone()));
     };
-    set(&mut app, textured(&handle));
+    set(&mut app, &handle);
     let wall = entity(app.world_mut(), 0);
     for frame in 0..10 {
         assert!(!hides(&mut app), "frame {frame}");
@@ -240,13 +138,13 @@ fn a_material_hides_when_the_renderer_has_what_it_needs() {
     assert!(hides(&mut app));
     // A picture or a material that changes is drawn at once; another one has to come first.
     insert(&mut app, RenderAssetUsages::RENDER_WORLD);
-    set(&mut app, textured(&handle));
+    set(&mut app, &handle);
     assert!(hides(&mut app));
     let other = app.world_mut().resource_mut::<Assets<Image>>().add(picture(RenderAssetUsages::default()));
-    set(&mut app, textured(&other));
+    set(&mut app, &other);
     assert!(!hides(&mut app));
     assert!(hides(&mut app));
-    set(&mut app, textured(&handle));
+    set(&mut app, &handle);
     assert!(hides(&mut app));
     app.world_mut().resource_mut::<Assets<Image>>().remove(&handle);
     assert!(!hides(&mut app), "without its picture it is drawn no more once it changes");
@@ -254,75 +152,68 @@ fn a_material_hides_when_the_renderer_has_what_it_needs() {
 
 #[test]
 fn deferred_materials_hide_where_all_cameras_draw_them() {
-    use pbr::{DefaultOpaqueRendererMethod, OpaqueRendererMethod, StandardMaterial};
-    let by = |method| StandardMaterial { opaque_render_method: method, ..Default::default() };
-    let camera = |app: &mut App| entity(app.world_mut(), CAMERA);
-    let mut app = walled(by(OpaqueRendererMethod::Forward));
+    use pbr::{DefaultOpaqueRendererMethod, OpaqueRendererMethod};
+    let by = |opaque_render_method| walled(Paint { opaque_render_method, ..Default::default() });
+    let with = |app: &mut App| on(app.world_mut(), CAMERA, |eye| done(eye.insert(DeferredPrepass)));
+    let mut app = by(OpaqueRendererMethod::Forward);
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     assert!(hides(&mut app));
-    let mut app = walled(by(OpaqueRendererMethod::Auto));
+    let mut app = by(OpaqueRendererMethod::Auto);
     assert!(hides(&mut app));
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     assert!(!hides(&mut app));
     // What was prepared keeps its method.
     app.insert_resource(DefaultOpaqueRendererMethod::default());
     assert!(!hides(&mut app));
-    let id = camera(&mut app);
-    app.world_mut().entity_mut(id).insert(DeferredPrepass);
+    with(&mut app);
     assert!(hides(&mut app));
 
-    let mut app = walled(by(OpaqueRendererMethod::Deferred));
+    let mut app = by(OpaqueRendererMethod::Deferred);
     assert!(!hides(&mut app) && !hides(&mut app));
-    let id = camera(&mut app);
-    app.world_mut().entity_mut(id).insert(DeferredPrepass);
+    with(&mut app);
     settle(&mut app);
     assert!(hides(&mut app));
     spawn_camera(app.world_mut(), CAMERA + 1, Transform::default());
     assert!(!hides(&mut app), "a camera does not draw it");
     assert_eq!(why_not(&mut app, 0), Some(WhyNot::Deferred));
-    let other = entity(app.world_mut(), CAMERA + 1);
-    app.world_mut().entity_mut(other).insert(RenderLayers::layer(3));
+    on(app.world_mut(), CAMERA + 1, |other| done(other.insert(RenderLayers::layer(3))));
     assert!(hides(&mut app), "it looks at other things");
-    app.world_mut().entity_mut(id).remove::<DeferredPrepass>();
+    on(app.world_mut(), CAMERA, |camera| done(camera.remove::<DeferredPrepass>()));
     assert!(!hides(&mut app));
 }
 
 #[test]
 fn what_is_drawn_through_walls_is_never_hidden() {
-    use pbr::{MeshMaterial3d, StandardMaterial, decal, wireframe};
+    use pbr::{decal, wireframe};
     type Change = fn(&mut EntityWorldMut);
-    type Decal = decal::ForwardDecalMaterial<StandardMaterial>;
-    let mut app = walled(StandardMaterial::default());
-    assert!(hides(&mut app));
-    let thing = entity(app.world_mut(), 1);
+    type Decal = decal::ForwardDecalMaterial<Paint>;
+    fn with<C: Component + Default>(thing: &mut EntityWorldMut) {
+        thing.insert(C::default());
+    }
     fn without<C: Component>(thing: &mut EntityWorldMut) {
         thing.remove::<C>();
     }
+    fn asleep(thing: &mut EntityWorldMut) {
+        thing.insert((Disabled, decal::ForwardDecal)).remove::<Disabled>();
+    }
+    let mut app = walled(Paint::default());
+    assert!(hides(&mut app));
     let cases: [(Change, Change); 6] = [
-        (|thing| done(thing.insert(decal::ForwardDecal)), without::<decal::ForwardDecal>),
-        (|thing| done(thing.insert(wireframe::Wireframe)), without::<wireframe::Wireframe>),
-        (|thing| done(thing.insert(wireframe::Mesh3dWireframe)), without::<wireframe::Mesh3dWireframe>),
+        (with::<decal::ForwardDecal>, without::<decal::ForwardDecal>),
+        (with::<wireframe::Wireframe>, without::<wireframe::Wireframe>),
+        (with::<wireframe::Mesh3dWireframe>, without::<wireframe::Mesh3dWireframe>),
         // While it is disabled nobody sees what it becomes.
-        (
-            |thing| done(thing.insert((Disabled, decal::ForwardDecal)).remove::<Disabled>()),
-            without::<decal::ForwardDecal>,
-        ),
+        (asleep, without::<decal::ForwardDecal>),
         // A material for which there is no rule, unless the thing says by itself what it is.
-        (
-            |thing| done(thing.insert(MeshMaterial3d::<Paint>(Handle::default()))),
-            |thing| done(thing.insert(Opaque::Front)),
-        ),
-        (
-            |thing| done(thing.insert(MeshMaterial3d::<Decal>(Handle::default()))),
-            without::<MeshMaterial3d<Decal>>,
-        ),
+        (with::<MeshMaterial3d<Image>>, |thing| done(thing.insert(Opaque::Front))),
+        (with::<MeshMaterial3d<Decal>>, without::<MeshMaterial3d<Decal>>),
     ];
     for (nr, (put, take)) in cases.into_iter().enumerate() {
-        put(&mut app.world_mut().entity_mut(thing));
+        on(app.world_mut(), 1, put);
         assert!(!hides(&mut app) && !hides(&mut app), "case {nr}");
         let why = if nr == 4 { WhyNot::NoRule } else { WhyNot::InFront };
         assert!(nr == 5 || why_not(&mut app, 1) == Some(why), "case {nr}");
-        take(&mut app.world_mut().entity_mut(thing));
+        on(app.world_mut(), 1, take);
         assert!(hides(&mut app) || hides(&mut app), "case {nr}");
     }
 }

@@ -1,6 +1,6 @@
 //! The town of the example and of the window, of any size: one house to twenty things around it.
 
-use super::{Transform, Vec3};
+use super::{Component, Transform, Vec3};
 
 /// From the middle of a house to that of the next one, in metres.
 const PITCH: f32 = 24.0;
@@ -9,7 +9,7 @@ const PITCH: f32 = 24.0;
 const HOUSE: f32 = 16.0;
 
 /// What a box of the town is.
-#[derive(PartialEq)]
+#[derive(Component, PartialEq)]
 pub enum Part {
     Ground,
     House,

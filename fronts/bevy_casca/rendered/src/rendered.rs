@@ -94,9 +94,7 @@ impl Rendered {
         let world = self.app.world_mut();
         let mut movers = world.query::<(&mut Transform, &Moves)>();
         movers.iter_mut(world).for_each(|(mut at, moves)| at.translation = moves.at(time));
-        if let Some(mut at) = world.get_mut::<Transform>(self.camera) {
-            *at = scene.eye(time);
-        }
+        world.entity_mut(self.camera).insert(scene.eye(time));
         self.capture()
     }
 

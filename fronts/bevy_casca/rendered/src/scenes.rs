@@ -77,45 +77,31 @@ impl<'a> Set<'a> {
         let ball = mesh(Sphere::new(0.5).mesh().uv(24, 12));
         let ring = mesh(Torus::new(0.3, 0.5).into());
         let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-        let color =
-            |dice: &mut Dice| Color::srgb(dice.range(0.2, 1.0), dice.range(0.2, 1.0), dice.range(0.2, 1.0));
-        let mut add = |material| materials.add(material);
-        let colors = (0..16)
-            .map(|_| {
-                add(StandardMaterial { base_color: color(&mut dice), perceptual_roughness: 0.8, ..default() })
-            })
-            .collect();
-        let glass = add(StandardMaterial {
-            base_color: Color::srgba(0.6, 0.8, 1.0, 0.3),
-            alpha_mode: AlphaMode::Blend,
-            ..default()
-        });
+        let mut tone = || dice.range(0.2, 1.0);
+        let mut add = |base_color, material| materials.add(StandardMaterial { base_color, ..material });
+        let dull = || StandardMaterial { perceptual_roughness: 0.8, ..default() };
+        let colors = (0..16).map(|_| add(Color::srgb(tone(), tone(), tone()), dull())).collect();
+        let clear = StandardMaterial { alpha_mode: AlphaMode::Blend, ..default() };
+        let glass = add(Color::srgba(0.6, 0.8, 1.0, 0.3), clear);
         Self { world, dice, cube, ball, ring, colors, glass }
     }
 
     /// Spawns a mesh.
-    fn put(
-        &mut self,
-        mesh: &Handle<Mesh>,
-        material: &Handle<StandardMaterial>,
-        at: Vec3,
-        size: Vec3,
-    ) -> Entity {
+    fn put(&mut self, mesh: Handle<Mesh>, paint: Handle<StandardMaterial>, at: Vec3, size: Vec3) -> Entity {
         let place = Transform::from_translation(at).with_scale(size);
-        self.world.spawn((Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()), place)).id()
+        self.world.spawn((Mesh3d(mesh), MeshMaterial3d(paint), place)).id()
     }
 
     /// Spawns a box of some color, from corner to corner.
     fn block(&mut self, color: usize, low: Vec3, high: Vec3) -> Entity {
-        let (cube, color) = (self.cube.clone(), self.colors[color % 16].clone());
-        self.put(&cube, &color, (low + high) * 0.5, high - low)
+        self.put(self.cube.clone(), self.colors[color % 16].clone(), (low + high) * 0.5, high - low)
     }
 
     /// Spawns a small thing: one in three is a ring.
     fn thing(&mut self, number: usize, at: Vec3) -> Entity {
         let mesh = if number.is_multiple_of(3) { self.ring.clone() } else { self.ball.clone() };
-        let (color, size) = (self.colors[15].clone(), self.dice.range(0.3, 1.0));
-        self.put(&mesh, &color, at, Vec3::splat(size))
+        let size = Vec3::splat(self.dice.range(0.3, 1.0));
+        self.put(mesh, self.colors[15].clone(), at, size)
     }
 
     fn moves(&mut self, entity: Entity, rest: Vec3, by: Vec3) {
@@ -123,20 +109,9 @@ impl<'a> Set<'a> {
         self.world.entity_mut(entity).insert(Moves { rest, by, rate });
     }
 
-    fn sun(&mut self) {
-        let light = DirectionalLight { illuminance: 6_000.0, shadow_maps_enabled: true, ..default() };
-        let at = Transform::from_xyz(3.0, 6.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y);
-        self.world.spawn((light, at));
-    }
-
     fn bulb(&mut self, at: Vec3, range: f32) {
         let light = PointLight { intensity: 400_000.0, range, shadow_maps_enabled: true, ..default() };
         self.world.spawn((light, Transform::from_translation(at)));
-    }
-
-    fn spot(&mut self, at: Vec3, to: Vec3) {
-        let light = SpotLight { intensity: 900_000.0, range: 25.0, shadow_maps_enabled: true, ..default() };
-        self.world.spawn((light, Transform::from_translation(at).looking_at(to, Vec3::Y)));
     }
 }
 
@@ -150,8 +125,8 @@ fn city(set: &mut Set) {
             let height = set.dice.range(6.0, 24.0);
             let color = 1 + (set.dice.range(0.0, 14.0)) as usize;
             set.block(color, middle - half, middle + half + Vec3::Y * height);
-            let (cube, glass) = (set.cube.clone(), set.glass.clone());
-            set.put(&cube, &glass, middle + Vec3::new(5.1, 3.0, 0.0), Vec3::new(0.1, 2.0, 6.0));
+            let window = middle + Vec3::new(5.1, 3.0, 0.0);
+            set.put(set.cube.clone(), set.glass.clone(), window, Vec3::new(0.1, 2.0, 6.0));
         }
         for k in 0..8 {
             let dice = &mut set.dice;
@@ -164,10 +139,13 @@ fn city(set: &mut Set) {
             }
         }
     }
-    set.sun();
+    let sun = DirectionalLight { illuminance: 6_000.0, shadow_maps_enabled: true, ..default() };
+    set.world.spawn((sun, Transform::from_xyz(3.0, 6.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y)));
     for x in [-40.0, 0.0, 32.0] {
         set.bulb(Vec3::new(x, 4.0, 0.5), 18.0);
-        set.spot(Vec3::new(x + 9.0, 7.0, -1.0), Vec3::new(x + 4.0, 0.0, 1.0));
+        let spot = SpotLight { intensity: 900_000.0, range: 25.0, shadow_maps_enabled: true, ..default() };
+        let at = Transform::from_xyz(x + 9.0, 7.0, -1.0);
+        set.world.spawn((spot, at.looking_at(Vec3::new(x + 4.0, 0.0, 1.0), Vec3::Y)));
     }
 }
 

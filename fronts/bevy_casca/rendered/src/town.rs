@@ -6,18 +6,11 @@ mod layout;
 use bevy::camera::visibility::RenderLayers;
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
-use layout::{Part, dice};
+pub use layout::Part;
+use layout::dice;
 
 /// The seconds in which the camera walks down its street, and back.
 const ROUND: f32 = 40.0;
-
-/// A thing of the town: all of them, the ground too.
-#[derive(Component)]
-pub struct Thing;
-
-/// The ground, a thing of the town.
-#[derive(Component)]
-pub struct Ground;
 
 /// Something that goes to and fro.
 #[derive(Component)]
@@ -42,17 +35,13 @@ pub fn fill(world: &mut World, size: usize) {
 
 /// A thing that is not there yet.
 pub struct Coming {
-    part: Part,
-    parts: (Thing, Mesh3d, MeshMaterial3d<StandardMaterial>, Transform),
+    parts: (Part, Mesh3d, MeshMaterial3d<StandardMaterial>, Transform),
     moves: Option<Moves>,
 }
 
 impl Coming {
     pub fn spawn(self, world: &mut World) {
         let mut thing = world.spawn(self.parts);
-        if self.part == Part::Ground {
-            thing.insert(Ground);
-        }
         self.moves.into_iter().for_each(|moves| _ = thing.insert(moves));
     }
 }
@@ -78,8 +67,8 @@ pub fn things(world: &mut World, size: usize) -> Vec<Coming> {
         let by = Vec3::new(angle.cos(), 0.0, angle.sin()) * 2.5;
         let walks = part == Part::Thing && i.is_multiple_of(20);
         let moves = walks.then_some(Moves { rest: middle, by, rate: 0.5 });
-        let parts = (Thing, Mesh3d(cube.clone()), MeshMaterial3d(material.clone()), at);
-        Coming { part, parts, moves }
+        let parts = (part, Mesh3d(cube.clone()), MeshMaterial3d(material.clone()), at);
+        Coming { parts, moves }
     };
     layout::boxes(size).map(thing).collect()
 }

@@ -5,7 +5,7 @@ pub use std::any::TypeId;
 pub use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-pub use bevy_app::{App, Last, PostUpdate, TaskPoolPlugin};
+pub use bevy_app::{App, PostUpdate, TaskPoolPlugin};
 pub use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, AssetPlugin, Assets, Handle, RenderAssetUsages};
 pub use bevy_camera::primitives::{Aabb, CUBE_MAP_FACES, Sphere};
 pub use bevy_camera::visibility::*;
@@ -35,17 +35,8 @@ pub const CAMERA: u32 = 1_000_000;
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Nr(pub u32);
 
-/// A material, as far as the rule below asks.
-#[derive(Asset, TypePath, Clone, Default)]
-pub struct Paint {
-    pub glass: bool,
-    pub in_front: bool,
-    #[dependency]
-    pub picture: Option<Handle<Image>>,
-}
-
 /// Named as Bevy names its own.
-#[derive(Component, Reflect, Clone)]
+#[derive(Component, Reflect, Clone, Default)]
 #[reflect(Component)]
 #[type_path = "bevy_pbr::mesh_material"]
 pub struct MeshMaterial3d<M: Asset>(pub Handle<M>);
@@ -58,53 +49,114 @@ impl<M: Asset> AsAssetId for MeshMaterial3d<M> {
     }
 }
 
-pub fn paint_rule(paint: &Paint) -> Surface {
-    match (paint.in_front, paint.glass) {
-        (true, _) => Surface::InFront,
-        (_, true) => Surface::Unknown,
-        _ => Surface::Opaque(Opaque::Front),
+/// As much of `bevy_pbr` as the rule for its material asks for.
+pub mod pbr {
+    pub use super::MeshMaterial3d;
+    use super::*;
+
+    #[derive(Debug, Clone, Copy, PartialEq, Default)]
+    pub enum OpaqueRendererMethod {
+        #[default]
+        Forward,
+        Deferred,
+        Auto,
     }
+
+    #[derive(Resource, Debug, Default)]
+    #[expect(dead_code, reason = "its text is read")]
+    pub struct DefaultOpaqueRendererMethod(OpaqueRendererMethod);
+
+    impl DefaultOpaqueRendererMethod {
+        pub fn deferred() -> Self {
+            Self(OpaqueRendererMethod::Deferred)
+        }
+    }
+
+    pub mod decal {
+        use super::*;
+
+        #[derive(Component, Default)]
+        pub struct ForwardDecal;
+
+        #[derive(Asset, TypePath, Default)]
+        pub struct ForwardDecalMaterial<B: Asset>(pub std::marker::PhantomData<B>);
+    }
+
+    pub mod wireframe {
+        use super::*;
+
+        #[derive(Component, Default)]
+        pub struct Wireframe;
+
+        #[derive(Component, Default)]
+        pub struct Mesh3dWireframe;
+    }
+
+    #[derive(Asset, TypePath, Clone)]
+    pub struct StandardMaterial {
+        pub alpha_mode: &'static str,
+        pub cull_mode: Option<&'static str>,
+        pub depth_bias: f32,
+        pub specular_transmission: f32,
+        pub opaque_render_method: OpaqueRendererMethod,
+        #[dependency]
+        pub base_color_texture: Option<Handle<Image>>,
+    }
+
+    impl Default for StandardMaterial {
+        fn default() -> Self {
+            Self {
+                alpha_mode: "opaque",
+                cull_mode: Some("back"),
+                depth_bias: 0.0,
+                specular_transmission: 0.0,
+                opaque_render_method: OpaqueRendererMethod::Auto,
+                base_color_texture: None,
+            }
+        }
+    }
+}
+
+pub use pbr::StandardMaterial as Paint;
+
+#[derive(Component)]
+pub struct DeferredPrepass;
+
+/// An app with materials.
+pub fn painted() -> App {
+    let mut app = headless(true);
+    app.init_asset::<Paint>().init_asset::<pbr::decal::ForwardDecalMaterial<Paint>>();
+    // There is no rule for this one.
+    app.register_type::<MeshMaterial3d<Image>>();
+    app.init_resource::<pbr::DefaultOpaqueRendererMethod>();
+    app.add_plugins(bevy_casca::standard_materials!(pbr, DeferredPrepass));
+    app
 }
 
 /// The mesh of all boxes: a cube of edge 1.
 #[derive(Resource, Clone)]
 pub struct Cube(pub Handle<Mesh>);
 
-/// Entities of which `ViewVisibility` was marked changed in the last frame, and what it is.
-#[derive(Resource, Default)]
-pub struct Changes {
-    pub changed: BTreeSet<u32>,
-    pub visible: BTreeSet<u32>,
-}
-
 /// An app without renderer and window.
 pub fn headless(with_casca: bool) -> App {
     let mut app = App::new();
     // Before Bevy's own: the order of plugins does not matter.
     if with_casca {
+        app.insert_resource(CascaSettings { least_hidden: 0.0, ..Default::default() });
         app.add_plugins(CascaPlugin);
     }
     app.add_plugins((TaskPoolPlugin::default(), TransformPlugin, AssetPlugin::default(), MeshPlugin));
     app.init_asset::<Image>();
     app.add_plugins((CameraPlugin, LightPlugin));
-    app.init_resource::<Changes>();
-    app.add_systems(Last, note_changes);
-    if let Some(mut settings) = app.world_mut().get_resource_mut::<CascaSettings>() {
-        settings.least_hidden = 0.0;
-    }
     let cube = app.world_mut().resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
     app.insert_resource(Cube(cube));
     app
 }
 
-fn note_changes(
-    mut changes: ResMut<Changes>,
-    all: Query<(&Nr, &ViewVisibility)>,
-    changed: Query<(&Nr, Ref<ViewVisibility>), Changed<ViewVisibility>>,
-) {
-    let old = changed.iter().filter(|(_, seen)| !seen.is_added());
-    changes.changed = old.map(|(nr, _)| nr.0).collect();
-    changes.visible = all.iter().filter(|(_, seen)| seen.get()).map(|(nr, _)| nr.0).collect();
+/// The numbers of what is visible.
+pub fn visible(app: &mut App) -> BTreeSet<u32> {
+    let mut all = app.world_mut().query::<(&Nr, &ViewVisibility)>();
+    all.iter(app.world()).filter(|(_, seen)| seen.get()).map(|(nr, _)| nr.0).collect()
 }
 
 /// A box around a middle.
@@ -143,10 +195,18 @@ pub fn dice(n: u32) -> f32 {
 /// Ends a statement in the place of an expression.
 pub fn done<T>(_: T) {}
 
-/// The entity of a number.
+/// Disables entities, where a program registers it.
+#[derive(Component, Clone)]
+pub struct Asleep;
+
+/// The entity of a number, also one that is disabled.
+pub fn find(world: &mut World, nr: u32) -> Option<Entity> {
+    let mut all = world.query::<(Entity, &Nr, Has<Disabled>, Has<Asleep>)>();
+    all.iter(world).find(|(_, found, ..)| found.0 == nr).map(|(entity, ..)| entity)
+}
+
 pub fn entity(world: &mut World, nr: u32) -> Entity {
-    let mut all = world.query::<(Entity, &Nr)>();
-    all.iter(world).find(|(_, found)| found.0 == nr).map(|(entity, _)| entity).unwrap()
+    find(world, nr).unwrap()
 }
 
 /// Changes the entity of a number.
@@ -161,21 +221,24 @@ pub fn why_not(app: &mut App, nr: u32) -> Option<WhyNot> {
     CascaScene::why_not(app.world(), entity)
 }
 
-/// The numbers in the list of each camera, in its order; the lists by their classes.
-pub fn lists(app: &mut App) -> BTreeMap<u32, BTreeSet<u32>> {
-    let world = app.world_mut();
-    let mut cameras = world.query::<(&Nr, &VisibleEntities)>();
-    let found: Vec<_> = cameras.iter(world).map(|(nr, seen)| (nr.0, seen.entities.clone())).collect();
-    let number = |entity: &Entity| world.get::<Nr>(*entity).map(|nr| nr.0);
-    let mut out = BTreeMap::new();
-    for (camera, classes) in found {
-        assert!(classes.values().all(|list| list.is_sorted()), "a list is not in order");
-        let list = &classes[&TypeId::of::<Mesh3d>()];
-        let set: BTreeSet<u32> = list.iter().filter_map(number).collect();
-        assert_eq!(set.len(), list.len(), "an entity is listed twice");
-        out.insert(camera, set);
-    }
-    out
+/// The numbers of a list, which is in order.
+fn numbers(world: &World, list: &[Entity]) -> BTreeSet<u32> {
+    assert!(list.is_sorted(), "a list is not in order");
+    let number = |entity: &Entity| world.get::<Nr>(*entity).map_or(u32::MAX, |nr| nr.0);
+    let set: BTreeSet<u32> = list.iter().map(number).collect();
+    assert_eq!(set.len(), list.len(), "an entity is listed twice");
+    set
+}
+
+/// The numbers in the list of each camera.
+pub fn lists(app: &mut App) -> Lists {
+    let mut cameras = app.world_mut().query::<(&Nr, &VisibleEntities)>();
+    let world = app.world();
+    let meshes = |(nr, seen): (&Nr, &VisibleEntities)| {
+        assert!(seen.entities.values().all(|list| list.is_sorted()), "a list is not in order");
+        (nr.0, numbers(world, &seen.entities[&TypeId::of::<Mesh3d>()]))
+    };
+    cameras.iter(world).map(meshes).collect()
 }
 
 /// A light, a camera for suns, and the number of the view.
@@ -184,28 +247,22 @@ pub type View = (u32, u32, usize);
 /// The numbers in the lists of all views of lights.
 pub fn light_lists(app: &mut App) -> BTreeMap<View, BTreeSet<u32>> {
     let world = app.world_mut();
-    let mut found = Vec::new();
     let mut suns = world.query::<(&Nr, &CascadesVisibleEntities)>();
+    let mut bulbs = world.query::<(&Nr, &CubemapVisibleEntities)>();
+    let mut spots = world.query::<(&Nr, &VisibleMeshEntities)>();
+    let (world, mut out) = (&*world, BTreeMap::new());
+    let mut add = |light: &Nr, by: &Nr, lists: &mut dyn Iterator<Item = &VisibleMeshEntities>| {
+        let lists = lists.map(|list| numbers(world, &list.entities)).enumerate();
+        out.extend(lists.map(|(i, list)| ((light.0, by.0, i), list)));
+    };
     for (nr, lists) in suns.iter(world) {
         for (camera, lists) in &lists.entities {
-            let camera = world.get::<Nr>(*camera).unwrap().0;
-            found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, camera, i), list.clone())));
+            add(nr, world.get(*camera).unwrap(), &mut lists.iter());
         }
     }
-    let mut bulbs = world.query::<(&Nr, &CubemapVisibleEntities)>();
-    for (nr, lists) in bulbs.iter(world) {
-        found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, nr.0, i), list.clone())));
-    }
-    let mut spots = world.query::<(&Nr, &VisibleMeshEntities)>();
-    found.extend(spots.iter(world).map(|(nr, list)| ((nr.0, nr.0, 0), list.clone())));
-    let numbers = |list: VisibleMeshEntities| {
-        assert!(list.entities.is_sorted(), "a list is not in order");
-        let numbers = list.entities.iter().map(|entity| world.get::<Nr>(*entity).map_or(u32::MAX, |nr| nr.0));
-        let set: BTreeSet<u32> = numbers.collect();
-        assert_eq!(set.len(), list.entities.len(), "a caster is listed twice");
-        set
-    };
-    found.into_iter().map(|(key, list)| (key, numbers(list))).collect()
+    bulbs.iter(world).for_each(|(nr, lists)| add(nr, nr, &mut lists.iter()));
+    spots.iter(world).for_each(|(nr, list)| add(nr, nr, &mut std::iter::once(list)));
+    out
 }
 
 /// Runs an app until no mesh is being prepared, and all that waits has been taken over.
@@ -236,12 +293,13 @@ impl Pair {
         fill(bevys.world_mut());
         settle(&mut ours);
         settle(&mut bevys);
-        let before = ours.world().resource::<Changes>().visible.clone();
+        let before = visible(&mut ours);
         Self { ours, bevys, before }
     }
 
     /// Changes both worlds alike, and runs a frame of both. Looks at what must hold in any.
     pub fn frame(&mut self, change: impl Fn(&mut World)) -> (Lists, Lists) {
+        let start = self.ours.world_mut().increment_change_tick();
         for app in [&mut self.ours, &mut self.bevys] {
             change(app.world_mut());
             app.update();
@@ -251,18 +309,22 @@ impl Pair {
             let more: Vec<_> = seen.difference(&bevys[camera]).collect();
             assert!(more.is_empty(), "camera {camera} sees more than Bevy lets it: {more:?}");
         }
-        let changes = self.ours.world().resource::<Changes>();
-        let other: BTreeSet<u32> = changes.visible.symmetric_difference(&self.before).copied().collect();
-        let needless: Vec<_> = changes.changed.difference(&other).collect();
+        let visible = visible(&mut self.ours);
+        let mut all = self.ours.world_mut().query::<(&Nr, Ref<ViewVisibility>)>();
+        let now = self.ours.world_mut().change_tick();
+        let all = all.iter(self.ours.world()).filter(|(_, seen)| !seen.added().is_newer_than(start, now));
+        let changed =
+            all.filter(|(_, seen)| seen.last_changed().is_newer_than(start, now)).map(|(nr, _)| nr.0);
+        let needless = changed.filter(|nr| visible.contains(nr) == self.before.contains(nr));
+        let needless: Vec<_> = needless.collect();
         assert!(needless.is_empty(), "marked changed, but as before: {needless:?}");
-        self.before.clone_from(&changes.visible);
-        let visible = changes.visible.clone();
+        self.before.clone_from(&visible);
         let mut listed: BTreeSet<u32> = ours.values().flatten().copied().collect();
         listed.extend(light_lists(&mut self.ours).into_values().flatten());
         let world = self.ours.world_mut();
         let mut culled = world.query_filtered::<&Nr, (With<Mesh3d>, Without<NoCpuCulling>)>();
-        let hidden =
-            culled.iter(world).map(|nr| nr.0).filter(|nr| visible.contains(nr) && !listed.contains(nr));
+        let culled = culled.iter(world).map(|nr| nr.0);
+        let hidden = culled.filter(|nr| visible.contains(nr) && !listed.contains(nr));
         let hidden: Vec<_> = hidden.collect();
         assert!(hidden.is_empty(), "visible, but in no list: {hidden:?}");
         assert!(ours.values().flatten().all(|nr| visible.contains(nr)), "listed, but not visible");
@@ -280,43 +342,38 @@ pub fn truth(app: &mut App) -> (Vec<u32>, Vec<Object>) {
     let drawn = all.iter(world).filter(|(.., drawn)| drawn.get());
     let mut boxes: Vec<(u32, Affine3A)> = drawn.map(|(nr, at, _)| (nr.0, at.affine())).collect();
     boxes.sort_by_key(|(nr, _)| *nr);
-    let shape = |at: &Affine3A| Shape::Mesh {
-        mesh: cube.clone(),
-        transform: glam::Affine3A::from_cols_array(&at.to_cols_array()),
-    };
-    let object = |at: &Affine3A| Object {
+    let object = |(_, at): &(u32, Affine3A)| Object {
         name: String::new(),
-        shape: shape(at),
+        shape: Shape::Mesh {
+            mesh: cube.clone(),
+            transform: glam::Affine3A::from_cols_array(&at.to_cols_array()),
+        },
         motion: Motion::Dynamic { max_speed: 1e3 },
         occludes: true,
         tested: true,
     };
-    let objects = boxes.iter().map(|(_, at)| object(at)).collect();
+    let objects = boxes.iter().map(object).collect();
     (boxes.into_iter().map(|(nr, _)| nr).collect(), objects)
 }
 
 /// Asks the oracle whether a set of numbers lacks anything that a camera sees. Returns how many
 /// boxes it sees.
-pub fn judge(app: &mut App, camera: &world::Camera, set: &BTreeSet<u32>) -> usize {
+pub fn judge(app: &mut App, camera: u32, set: &BTreeSet<u32>) -> usize {
+    let camera = entity(app.world_mut(), camera);
+    let at = *app.world().get::<GlobalTransform>(camera).unwrap();
+    let view = glam::Affine3A::from_cols_array(&at.affine().to_cols_array()).inverse();
+    let lens = PerspectiveProjection::default();
+    let camera = world::Camera {
+        eye: glam::Vec3::from(at.translation().to_array()),
+        view: view.into(),
+        projection: glam::camera::rh::proj::directx::perspective(lens.fov, 16.0 / 9.0, lens.near, lens.far),
+    };
     let (numbers, objects) = truth(app);
     let options = OracleOptions { width: 96, height: 54, samples_per_object: 4, ..Default::default() };
     let all: Vec<usize> = (0..objects.len()).collect();
     let verdict =
-        Oracle::new(&objects, options).frame(&objects, &all, camera, &|i| set.contains(&numbers[i]));
+        Oracle::new(&objects, options).frame(&objects, &all, &camera, &|i| set.contains(&numbers[i]));
     let lost: Vec<u32> = verdict.false_negatives.iter().map(|lost| numbers[lost.object]).collect();
     assert_eq!(lost, [0; 0], "visible, but not in the set");
     verdict.exact.len()
-}
-
-/// A camera as the oracle takes it.
-pub fn eye(app: &mut App, nr: u32) -> world::Camera {
-    let entity = entity(app.world_mut(), nr);
-    let at = *app.world().get::<GlobalTransform>(entity).unwrap();
-    let view = glam::Affine3A::from_cols_array(&at.affine().to_cols_array()).inverse();
-    let lens = PerspectiveProjection::default();
-    world::Camera {
-        eye: glam::Vec3::from(at.translation().to_array()),
-        view: view.into(),
-        projection: glam::camera::rh::proj::directx::perspective(lens.fov, 16.0 / 9.0, lens.near, lens.far),
-    }
 }

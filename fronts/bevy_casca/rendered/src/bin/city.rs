@@ -18,10 +18,9 @@ use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
-use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_casca::{CascaDiagnostics, CascaPlugin, CascaSettings, NoOcclusionCulling, standard_materials};
-use bevy_casca_rendered::town::{self, Ground, Moves, Thing};
+use bevy_casca_rendered::town::{self, Moves, Part};
 use clap::Parser;
 
 /// The title of the window, before the counts.
@@ -80,36 +79,29 @@ fn main() -> ExitCode {
     // The window, or the picture of the page.
     let canvas = Some("#picture".into());
     let window = Window { title: TITLE.into(), canvas, fit_canvas_to_parent: true, ..default() };
-    let plugins = DefaultPlugins.set(render).disable::<LogPlugin>();
-    if arguments.picture.is_some() {
-        let window =
-            WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
-        app.add_plugins(plugins.set(window).disable::<WinitPlugin>());
-    } else {
-        app.add_plugins(plugins.set(WindowPlugin { primary_window: Some(window), ..default() }));
-    }
+    let primary_window = arguments.picture.is_none().then_some(window);
+    let plugins = DefaultPlugins.set(render).set(WindowPlugin { primary_window, ..default() });
+    let plugins = plugins.disable::<LogPlugin>();
+    app.add_plugins(match arguments.picture {
+        Some(_) => plugins.disable::<WinitPlugin>(),
+        None => plugins,
+    });
     app.insert_resource(ClearColor(Color::srgb(0.62, 0.74, 0.86)))
         .insert_resource(Walk { goes: true, time: 0.0 })
         .add_plugins((CascaPlugin, standard_materials!(bevy::pbr)))
         .add_plugins((FrameTimeDiagnosticsPlugin::default(), FreeCameraPlugin))
         .add_systems(Update, (keys, walk, watch, paint.pipe(tell)).chain());
-    match arguments.picture {
-        None => {
-            set_up(app.world_mut(), arguments.entities, &RenderTarget::default());
-            app.run();
-            ExitCode::SUCCESS
-        }
-        Some(file) => match picture(app, arguments.entities, &file) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(why) => {
-                eprintln!("{why}");
-                ExitCode::FAILURE
-            }
-        },
+    #[cfg(not(target_family = "wasm"))]
+    if let Some(file) = arguments.picture {
+        let done = picture(app, arguments.entities, &file).inspect_err(|why| eprintln!("{why}"));
+        return ExitCode::from(u8::from(done.is_err()));
     }
+    set_up(app.world_mut(), arguments.entities, &RenderTarget::default());
+    app.run();
+    ExitCode::SUCCESS
 }
 
-/// Runs some frames without a window, and writes the last one.
+/// Runs some frames without a window, and writes the last one. A page has no files.
 #[cfg(not(target_family = "wasm"))]
 fn picture(mut app: App, entities: usize, file: &std::path::Path) -> Result<(), String> {
     use bevy::render::render_resource::TextureFormat;
@@ -130,24 +122,19 @@ fn picture(mut app: App, entities: usize, file: &std::path::Path) -> Result<(), 
     picture.save(file).map_err(|why| format!("{}: {why}", file.display()))
 }
 
-/// A page has no files.
-#[cfg(target_family = "wasm")]
-fn picture(_: App, _: usize, file: &std::path::Path) -> Result<(), String> {
-    Err(format!("{}: a page has no files", file.display()))
-}
-
 /// Spawns the town, its twin for the view from above, cameras and words.
 fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
     town::fill(world, entities);
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-    let mut paint =
-        |color| materials.add(StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() });
-    let seen = paint(Color::srgb(0.95, 0.75, 0.35));
-    let hidden = paint(Color::srgb(0.2, 0.4, 0.95));
-    let out = paint(Color::srgb(0.33, 0.34, 0.36));
-    let ground = paint(Color::srgb(0.16, 0.17, 0.18));
-    let mut things = world.query_filtered::<(Entity, &Mesh3d, Has<Ground>), With<Thing>>();
-    let things: Vec<_> = things.iter(world).map(|(thing, mesh, flat)| (thing, mesh.clone(), flat)).collect();
+    let paint = |color: [f32; 3]| {
+        let base_color = Color::srgb_from_array(color);
+        materials.add(StandardMaterial { base_color, perceptual_roughness: 0.9, ..default() })
+    };
+    let colors = [[0.95, 0.75, 0.35], [0.2, 0.4, 0.95], [0.33, 0.34, 0.36], [0.16, 0.17, 0.18]];
+    let [seen, hidden, out, ground] = colors.map(paint);
+    let mut things = world.query::<(Entity, &Mesh3d, &Part)>();
+    let things: Vec<_> =
+        things.iter(world).map(|(thing, mesh, part)| (thing, mesh.clone(), *part == Part::Ground)).collect();
     for (thing, mesh, flat) in things {
         let material = if flat { ground.clone() } else { out.clone() };
         let culls = (NoOcclusionCulling, NotShadowCaster, NotShadowReceiver);
@@ -224,9 +211,8 @@ fn watch(
     let Some(size) = camera.physical_target_size() else { return };
     let part = (size.as_vec2() * SHARE).as_uvec2().max(UVec2::ONE);
     let corner = UVec2::new(size.x - part.x.min(size.x), 0);
-    let same =
-        bird.1.viewport.as_ref().is_some_and(|v| (v.physical_position, v.physical_size) == (corner, part));
-    if !same {
+    let shown = bird.1.viewport.as_ref().map(|view| (view.physical_position, view.physical_size));
+    if shown != Some((corner, part)) {
         bird.1.viewport = Some(Viewport { physical_position: corner, physical_size: part, ..default() });
     }
 }
@@ -235,7 +221,7 @@ fn watch(
 /// view, hidden or not.
 fn paint(
     eye: Single<(&VisibleEntities, &Frustum), With<Eye>>,
-    things: Query<(&Aabb, &GlobalTransform), With<Thing>>,
+    things: Query<(&Aabb, &GlobalTransform), With<Part>>,
     mut twins: Query<(&Twin, &mut MeshMaterial3d<StandardMaterial>)>,
     paints: Res<Paints>,
 ) -> usize {
@@ -252,9 +238,7 @@ fn paint(
             (false, true) => hidden,
             (false, false) => out,
         };
-        if material.0 != *now {
-            material.0 = now.clone();
-        }
+        material.set_if_neq(MeshMaterial3d(now.clone()));
     }
     in_view
 }
@@ -266,7 +250,7 @@ fn tell(
     store: Res<DiagnosticsStore>,
     eye: Single<(Entity, &VisibleEntities), With<Eye>>,
     suns: Query<&CascadesVisibleEntities>,
-    things: Query<(), With<Thing>>,
+    things: Query<(), With<Part>>,
     mut words: Single<&mut Text, With<Words>>,
     mut window: Option<Single<&mut Window>>,
 ) {
