@@ -93,15 +93,24 @@ fn a_wall_that_rests_or_trembles_hides_where_it_is() {
     // Together they move no point of the wall by 1/10,000 of its 30 m: in metres and in radians.
     const SHIFT: f32 = 1e-3;
     const TURN: f32 = 4e-5;
-    let mut pair = Pair::new(stage);
+    const HULL: u32 = 60;
+    let mut pair = Pair::new(|world| {
+        stage(world);
+        let hull = world.spawn((Nr(HULL), Transform::default(), Visibility::default())).id();
+        on(world, WALL, |wall| done(wall.insert(ChildOf(hull))));
+    });
     for frame in 0..90 {
-        // It moves in five of thirty frames, and trembles in the others.
+        // What it is a part of moves in five of thirty frames, and it trembles in the others.
         let (phase, moves) = (frame % 30, frame % 30 < 5);
         let found = pair.frame(|world| {
+            if moves {
+                on(world, HULL, |hull| hull.get_mut::<Transform>().unwrap().translation.y += 0.5);
+                return;
+            }
             on(world, WALL, |wall| {
                 let mut at = wall.get_mut::<Transform>().unwrap();
-                at.translation.x = if moves { 1.0 + phase as f32 } else { 5.0 + SHIFT * dice(frame) };
-                at.rotation = Quat::from_rotation_y(if moves { 0.0 } else { TURN * dice(frame + 100) });
+                at.translation.x = SHIFT * dice(frame);
+                at.rotation = Quat::from_rotation_y(TURN * dice(frame + 100));
             });
         });
         let waits = (phase < 12).then(|| WhyNot::Moves(12 - phase.max(4)));

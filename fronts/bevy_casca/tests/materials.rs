@@ -71,6 +71,7 @@ fn standard_materials_hide_if_they_are_opaque_from_the_sides_that_are_drawn() {
         (Paint { cull_mode: None, ..plain() }, [1, 1]),
         (Paint { cull_mode: Some("front"), ..plain() }, [2, 2]),
         (Paint { alpha_mode: "blend", ..plain() }, [2, 2]),
+        (Paint { alpha_mode: "mask", ..plain() }, [2, 2]),
         (Paint { specular_transmission: 0.1, ..plain() }, [2, 2]),
         (Paint { depth_bias: -1.0, ..plain() }, [2, 2]),
     ];
