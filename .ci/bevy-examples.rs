@@ -7,6 +7,7 @@ use std::any::TypeId;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+use bevy::anti_alias::taa::TemporalAntiAliasing;
 use bevy::app::PluginGroupBuilder;
 use bevy::camera::visibility::{
     CascadesVisibleEntities, CubemapVisibleEntities, RenderLayers, ViewVisibility, VisibleEntities,
@@ -147,6 +148,9 @@ impl Course {
         self.runs = true;
         // The same in each run, and none that was: renderers remember in which frame a mesh changed.
         world.insert_resource(FrameCount(2 * PATIENCE));
+        // What was drawn while things loaded differs from run to run.
+        let mut histories = world.query::<&mut TemporalAntiAliasing>();
+        histories.iter_mut(world).for_each(|mut history| history.reset = true);
         world.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(1) / 60));
     }
 
