@@ -93,7 +93,7 @@ pub fn run(options: &Options) -> Result<Outcome, Box<dyn std::error::Error>> {
         }
     })
     .map_err(|why| named(&why))?;
-    for (name, bytes) in level.lit(&name, &found, options.live).map_err(|why| named(&why))? {
+    for (name, bytes) in level.lit(&name, &found, &settings).map_err(|why| named(&why))? {
         let path = options.out.parent().unwrap_or(Path::new("")).join(name);
         // The level gets the name that was asked for, whatever its ending is.
         let path = if path.extension().is_some_and(|e| e == "glb") { &options.out } else { &path };

@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use casca_lightmap::{BakeError, Light, Placed, Settings, beside, light, on_page, texels, unwrap};
+use casca_lightmap::{
+    BakeError, Following, Light, Placed, Probes, Settings, beside, light, on_page, texels, unwrap,
+};
 use casca_radiosity::Light as Lamp;
 use casca_radiosity::lit::{Kind, LitObject, LitScene, Material};
 use casca_scenes::world::Mesh;
@@ -192,6 +194,36 @@ fn charts_overlap_nowhere_and_stay_on_their_pages_with_the_density_that_was_aske
         // The cuboid alone has twice 3.0 x 5.0 square metres, and the scale is that of its longest axis.
         assert!(owner.len() > 5_000 && area > 100.0 * 4.0 * 31.6, "{} {area}", owner.len());
     }
+}
+
+#[test]
+fn probes_follow_a_door_as_if_they_were_baked_anew() {
+    // Two rooms, a gap between them that a door shuts, and a lamp in the first.
+    let (inner, outer) = (Vec3::splat(2.0), Vec3::new(4.2, 2.0, 2.0));
+    let wall = |z: f32| cuboid(Vec3::new(2.0, 0.0, z), Vec3::new(2.2, 2.0, z + 0.7), false, 0);
+    let shut = cuboid(Vec3::new(2.05, 0.0, 0.6), Vec3::new(2.15, 2.0, 1.4), false, 0);
+    let objects = vec![shut, cuboid(Vec3::ZERO, outer, true, 0), wall(0.0), wall(1.3)];
+    let lamp = Lamp::point(inner / 2.0, Vec3::splat(10.0));
+    let mut scene = scene(objects, vec![Material::matt(Vec3::splat(0.8))], vec![lamp]);
+    let settings = Settings { spacing: 0.5, cells: 32, ..FAST };
+    let mut following = Following::new(scene.clone(), &settings).unwrap();
+    let beyond = |p: &Probes| -> f32 {
+        let far = (0..p.cubes.len()).filter(|i| p.place(*i).x > 2.5);
+        far.map(|i| p.cubes[i].iter().map(|c| c.x).sum::<f32>()).sum()
+    };
+    assert_eq!(beyond(following.probes()), 0.0);
+    // It slides into the wall.
+    for open in [0.55, 0.3, 0.0] {
+        scene.objects[0].transform = Affine3A::from_translation(Vec3::Z * open);
+        following.moved(&[(0, scene.objects[0].transform)]).unwrap();
+        let (anew, found) = (baked(&scene, &settings).probes, following.probes());
+        let all = |p: &Probes| p.cubes.as_flattened().to_vec();
+        let off: f32 = all(&anew).iter().zip(all(found)).map(|(a, b)| (*a - b).abs().x).sum();
+        let sum: f32 = all(&anew).iter().map(|c| c.x).sum();
+        println!("{open}: {} of {sum}, beyond {}", off, beyond(found));
+        assert!(off < 0.005 * sum && (beyond(found) > 0.0) == (open > 0.0), "{off} of {sum}");
+    }
+    assert!(following.moved(&[(9, Affine3A::IDENTITY)]).unwrap_err().to_string().contains("object"));
 }
 
 #[test]
