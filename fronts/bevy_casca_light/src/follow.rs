@@ -181,7 +181,7 @@ pub(crate) fn follow(
                     let scale = Vec3::from_array(scale.to_array());
                     let mut of_root = volumes.iter_mut().filter(|volume| volume.0.parent() == root);
                     if let Some((_, mut place, mut volume)) = of_root.next() {
-                        (*place, *volume) = of_probes(following.probes(), scale, &mut around.images);
+                        (*place, *volume) = of_probes(&following.probes, scale, &mut around.images);
                     }
                     follower.idle = Some(following);
                 }
@@ -200,7 +200,7 @@ pub(crate) fn follow(
         }
         if let Some(mut following) = follower.idle.take_if(|_| !moved.is_empty()) {
             follower.task = Some(pool.spawn(async move {
-                following.moved(&moved).map(|_| ())?;
+                following.moved(&moved)?;
                 Ok(following)
             }));
         }

@@ -40,7 +40,9 @@ impl Plugin for CascaLightPlugin {
                 bevy_log::error!("lit levels are loaded without their light: files are being loaded already")
             }
         }
-        let systems = (follow::bake, follow::finish, follow::dim, follow::follow).chain();
+        // What is new has its place before it is drawn, and what is read has its own of this frame.
+        app.add_systems(PostUpdate, follow::finish.before(TransformSystems::Propagate));
+        let systems = (follow::bake, follow::dim, follow::follow).chain();
         app.add_systems(PostUpdate, systems.after(TransformSystems::Propagate));
     }
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use bevy::image::{CompressedImageFormats, ImageLoader};
 use bevy::prelude::*;
 use bevy_casca_light::{BakeLight, CascaLightPlugin, LitLevel, Moves, Settings};
 use bevy_light::IrradianceVolume;
@@ -39,6 +40,8 @@ impl Folder {
             bevy::gltf::GltfPlugin::default(),
             CascaLightPlugin,
         ));
+        // As Bevy's renderer does.
+        app.register_asset_loader(ImageLoader::new(CompressedImageFormats::NONE));
         app.init_asset::<StandardMaterial>();
         level::register(&mut app);
         app.finish();
@@ -183,15 +186,17 @@ fn a_level_is_lit_in_the_world_whatever_its_place_and_probes_follow_its_door() {
     let world = app.world_mut();
     let white = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::from(Color::WHITE));
     let meshes: Vec<Entity> = world.query_filtered::<Entity, With<Mesh3d>>().iter(world).collect();
-    meshes.iter().for_each(|e| drop(world.entity_mut(*e).insert(MeshMaterial3d(white.clone()))));
+    for mesh in meshes {
+        world.entity_mut(mesh).insert(MeshMaterial3d(white.clone()));
+    }
     world.entity_mut(door).insert(Moves);
     world.entity_mut(root).insert(place);
     app.update();
     app.world_mut().entity_mut(root).insert(BakeLight { settings: HOW, sky: Vec3::ZERO });
     let first = until(&mut app, volume);
     assert!(app.world().get::<BakeLight>(root).is_none() && app.world().get::<LitLevel>(root).is_some());
-    let maps = app.world_mut().query::<(&Lightmap, &Mesh3d)>().iter(app.world()).map(|m| m.1.0.clone());
-    let maps: Vec<Handle<Mesh>> = maps.collect();
+    let mut maps = app.world_mut().query_filtered::<&Mesh3d, With<Lightmap>>();
+    let maps: Vec<Handle<Mesh>> = maps.iter(app.world()).map(|mesh| mesh.0.clone()).collect();
     let meshes = app.world().resource::<Assets<Mesh>>();
     assert_eq!(maps.len(), 13);
     assert!(maps.iter().all(|mesh| meshes.get(mesh).unwrap().contains_attribute(Mesh::ATTRIBUTE_UV_1)));

@@ -13,7 +13,7 @@ use crate::atlas::{PADDING, Placed, texels, unwrap};
 use crate::{Backs, BakeError, Probes, Settings};
 
 /// Rays of a probe for each of its faces; of texels, where no surface in a cell answers.
-const ANSWER_RAYS: u32 = 128;
+const ANSWER_RAYS: u32 = 512;
 /// States that send their rays between two calls of the progress.
 const PART: usize = 4096;
 /// The share of rays of states that no texel reads.
@@ -44,8 +44,8 @@ pub struct Light {
 pub struct Following {
     scene: LitScene,
     cache: Cache,
-    backs: Backs,
-    probes: Probes,
+    /// The light in the open, as objects stand now.
+    pub probes: Probes,
     /// Of states that are asked for, and of others.
     rays: (u32, u32),
 }
@@ -56,16 +56,9 @@ impl Following {
     /// # Errors
     /// As [`Probes::new`], and the scene cannot be lit.
     pub fn new(scene: LitScene, settings: &Settings) -> Result<Self, BakeError> {
-        let mut lit = Self::dark(scene, settings)?;
-        lit.ask(&[], &mut |_, _, _| {})?;
-        lit.settle(&mut |_, _, _| {})?;
-        lit.open(&mut |_, _, _| {})?;
-        Ok(lit)
-    }
-
-    /// The light in the open, as objects stand now.
-    pub fn probes(&self) -> &Probes {
-        &self.probes
+        let mut dark = Self::dark(scene, settings)?;
+        dark.light(&[], &mut |_, _, _| {})?;
+        Ok(dark)
     }
 
     /// Moves objects of the scene, by their numbers, and lights the probes anew. Only rays that can have
@@ -73,21 +66,17 @@ impl Following {
     ///
     /// # Errors
     /// There is no such object, or the scene cannot be lit so.
-    pub fn moved(&mut self, places: &[(usize, Affine3A)]) -> Result<&Probes, BakeError> {
-        let mut objects = Vec::new();
-        for (number, place) in places {
+    pub fn moved(&mut self, places: &[(usize, Affine3A)]) -> Result<(), BakeError> {
+        let object = |(number, place): &(usize, Affine3A)| {
             let object = self.scene.objects.get(*number);
             // The cache says that there is no such object.
             let object =
                 object.map(|o| LitObject { transform: *place, ..o.clone() }.lit(&self.scene.materials));
-            objects.push((*number, object.unwrap_or_default()));
-        }
-        self.cache.set_objects(objects)?;
+            (*number, object.unwrap_or_default())
+        };
+        self.cache.set_objects(places.iter().map(object).collect())?;
         places.iter().for_each(|(number, place)| self.scene.objects[*number].transform = *place);
-        self.backs = Backs::new(&self.scene.triangles());
-        self.settle(&mut |_, _, _| {})?;
-        self.open(&mut |_, _, _| {})?;
-        Ok(&self.probes)
+        self.light(&[], &mut |_, _, _| {}).map(|_| ())
     }
 
     /// A scene in a cache, and probes without light.
@@ -98,12 +87,12 @@ impl Following {
         let probes = Probes::new((grid.min, grid.max), settings.spacing)?;
         let mut how = casca_radiosity::Settings::new(grid);
         (how.threads, how.answer_rays) = (current_num_threads() as u32, ANSWER_RAYS);
-        let (cache, backs) = (Cache::new(&given, how)?, Backs::new(&scene.triangles()));
-        Ok(Self { scene, cache, backs, probes, rays: (settings.rays, settings.rays.div_ceil(FARTHER)) })
+        let cache = Cache::new(&given, how)?;
+        Ok(Self { scene, cache, probes, rays: (settings.rays, settings.rays.div_ceil(FARTHER)) })
     }
 
-    /// Asks for the light of the probes, and more.
-    fn ask(&mut self, questions: &[(Vec3, Vec3)], progress: &mut Progress) -> Result<(), BakeError> {
+    /// Lights the probes, and what more questions need; returns what is solid.
+    fn light(&mut self, questions: &[(Vec3, Vec3)], progress: &mut Progress) -> Result<Backs, BakeError> {
         let cubes = self.probes.questions();
         let all = questions.len() + cubes.len();
         for (i, (point, normal)) in questions.iter().chain(&cubes).enumerate() {
@@ -112,11 +101,6 @@ impl Following {
             }
             self.cache.request(*point, *normal)?;
         }
-        Ok(())
-    }
-
-    /// Sends the rays that are missing, and passes light along.
-    fn settle(&mut self, progress: &mut Progress) -> Result<(), BakeError> {
         let mut sent = 0;
         while self.cache.waiting() > 0 {
             sent += self.cache.waiting().min(PART);
@@ -128,17 +112,14 @@ impl Following {
         self.cache.darken();
         self.cache.direct();
         self.cache.converge(SETTLED, MOST_PASSES);
-        Ok(())
-    }
-
-    /// Lights the probes. Engines light what moves by lights that are no surfaces themselves.
-    fn open(&mut self, progress: &mut Progress) -> Result<(), BakeError> {
+        // Engines light what moves by lights that are no surfaces.
         self.cache.set_lights(&[])?;
-        let open = answers(&self.cache, &self.probes.questions(), ("lighting probes", progress));
+        let open = answers(&self.cache, &cubes, ("lighting probes", progress));
         self.cache.set_lights(&self.scene.lights)?;
         self.probes.cubes.copy_from_slice(open?.as_chunks().0);
-        self.probes.fill(&self.backs);
-        Ok(())
+        let backs = Backs::new(&self.scene.triangles());
+        self.probes.fill(&backs);
+        Ok(backs)
     }
 }
 
@@ -158,15 +139,12 @@ pub fn light(
     let atlas = unwrap(placed, settings.texels, settings.side)?;
     let texels = texels(&atlas, placed);
     let questions: Vec<(Vec3, Vec3)> = texels.lit.iter().map(|t| (t.point, t.normal)).collect();
-    lit.ask(&questions, progress)?;
-    lit.settle(progress)?;
+    let backs = lit.light(&questions, progress)?;
     if settings.live {
         lit.cache.set_lights(&[])?;
     }
     let found = answers(&lit.cache, &questions, ("lighting texels", progress))?;
-    lit.open(progress)?;
-    let Following { cache, probes, backs, .. } = lit;
-
+    let Following { cache, probes, .. } = lit;
     let mut pages = vec![None; (atlas.page_count * atlas.width * atlas.height) as usize];
     // Else walls would have dark lines at their feet: there surfaces go on within them.
     let mut buried = Vec::new();

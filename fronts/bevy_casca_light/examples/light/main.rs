@@ -20,32 +20,37 @@ use bevy::pbr::Lightmap;
 use bevy::prelude::*;
 use bevy_casca_light::{BakeLight, CascaLightPlugin, LitLevel, Moves, Settings};
 use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH, save};
-use casca_lightmap::{Level, light};
+use casca_lightmap::{Level, Probes, light};
 use casca_radiosity::lit::path::PathTracer;
-use casca_radiosity::lit::{LitObject, Material};
+use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::{Camera, Mesh as OwnMesh};
 use clap::Parser;
 
 /// How the level is lit.
 const HOW: Settings = Settings { texels: 8.0, side: 1024, spacing: 0.4, cells: 48, rays: 64, live: false };
-/// What light is multiplied by in pictures.
-const GAIN: f32 = 0.5;
 /// A white ball in the second room, which light reaches only through the door.
 const BALL: (glam::Vec3, f32) = (glam::Vec3::new(2.0, 1.0, 2.2), 0.45);
 const ANGLE: f32 = 60.0;
-/// Eyes and what they look at: in the first room, and in the second one towards the ball and the door.
-const EYES: [[Vec3; 2]; 3] = [
-    [Vec3::new(-0.3, 2.2, 3.6), Vec3::new(-3.0, 0.6, 1.0)],
-    [Vec3::new(4.0, 1.4, 2.0), Vec3::new(0.0, 0.9, 2.0)],
-    [Vec3::new(0.9, 1.9, 0.6), Vec3::new(3.0, 0.6, 3.0)],
+/// Eyes, what they look at, and what light is multiplied by: in the first room, and in the second one towards the ball and the door.
+const EYES: [([Vec3; 2], f32); 4] = [
+    ([Vec3::new(-0.3, 2.2, 3.6), Vec3::new(-3.0, 0.6, 1.0)], 0.1),
+    ([Vec3::new(4.0, 1.4, 2.0), Vec3::new(0.0, 0.9, 2.0)], 0.6),
+    ([Vec3::new(0.9, 1.9, 0.6), Vec3::new(3.0, 0.6, 3.0)], 0.6),
+    ([Vec3::new(0.9, 1.9, 3.6), Vec3::new(3.0, 0.6, 1.0)], 0.6),
 ];
-/// The one from which the ball is compared with a path tracer's.
-const BESIDE: usize = 1;
+/// The eye whose picture is kept beside others.
+const SHOWN: usize = 1;
 /// So many bytes of a colour may be off, in all pixels but this share: those on edges of surfaces.
 const BYTES: f32 = 2.0;
 const EDGES: f32 = 0.01;
-/// The mean light of a side of the ball by probes over that by rays: cubes have six directions.
-const OFF: f32 = 0.25;
+/// How far a face of a probe is off a path tracer's light there, of the greatest of them: by its rays, of
+/// which few go through the door.
+const OFF: f32 = 0.08;
+/// Samples of the path tracer there, and the share of light that its balls send back.
+const SAMPLES: u32 = 1024;
+const DARK: f32 = 0.02;
+/// Normals of the ball are so near to a direction, by their cosine.
+const NEAR: f32 = 0.95;
 /// How much redder the ball is at least on the side of the red wall than on that of the green one.
 const REDDER: f32 = 1.5;
 /// The mean difference of a level that was lit in the world, in bytes: texels lie elsewhere.
@@ -84,52 +89,56 @@ fn main() -> Any<()> {
     println!("{} texels, {} probes", found.lit, found.probes.cubes.len());
     let mut lit = app(&folder.join("lit.glb"))?;
     wait(&mut lit, "the level", |world| count::<LitLevel>(world) > 0)?;
-    let pictures = pictures(&mut lit, "lit", out)?;
+    let pictures = pictures(&mut lit, true)?;
+    beside(&level, &found.probes)?;
     // The ball is in the scene for the path tracer, and hides what is behind it.
-    let object = LitObject {
-        mesh: Arc::new(OwnMesh::ball(4)),
-        materials: vec![level.scene.materials.len() as u32; OwnMesh::ball(4).triangles.len()].into(),
-        uv: Arc::default(),
-        transform: glam::Affine3A::from_scale_rotation_translation(
-            glam::Vec3::splat(BALL.1),
-            glam::Quat::IDENTITY,
-            BALL.0,
-        ),
-    };
-    level.scene.objects.push(object);
-    level.scene.materials.push(Material::matt(glam::Vec3::ONE));
-    for (i, (picture, [eye, to])) in pictures.iter().zip(EYES).enumerate() {
-        level.scene.camera = own_camera([eye, to]);
+    add_ball(&mut level.scene, BALL, 1.0);
+    let mut traced: Option<Vec<u8>> = None;
+    for (i, (picture, (eye, gain))) in pictures.iter().zip(EYES).enumerate() {
+        level.scene.camera = own_camera(eye);
         let rays = truth::rays(&level.scene.camera, (WIDTH, HEIGHT));
         let balls: Vec<_> = rays.iter().map(|ray| truth::on_ball(ray, BALL)).collect();
-        let by_probes =
+        let by_probes: Vec<_> =
             balls.iter().map(|at| at.map(|(at, n)| truth::by_probes(&found.probes, at, n))).collect();
-        agree(&format!("eye {i}, texels"), picture, &truth::mapped(&level, &found, &rays))?;
-        agree(&format!("eye {i}, probes"), picture, &by_probes)?;
-        if out.is_none() && i != BESIDE {
-            continue;
-        }
-        let (size, samples) = ((WIDTH as usize, HEIGHT as usize), arguments.samples);
-        let traced =
-            PathTracer::new(&level.scene).render(&level.scene.camera, size, &(0..=64), samples, 1)?;
-        let of =
-            |c: &glam::Vec3| [stored(*c), [255.0; 3]].concat().into_iter().take(4).map(|b| b.round() as u8);
-        let bytes: Vec<u8> = traced.image.iter().flat_map(of).collect();
-        save(out, &format!("traced-{i}.png"), (WIDTH, HEIGHT), &bytes)?;
-        if i == BESIDE {
-            sides(picture, &traced.image, &balls)?;
+        agree(&format!("eye {i}, texels"), (picture, gain), &truth::mapped(&level, &found, &rays))?;
+        agree(&format!("eye {i}, probes"), (picture, gain), &by_probes)?;
+        if out.is_some() && i == SHOWN {
+            let size = (WIDTH as usize, HEIGHT as usize);
+            let tracer = PathTracer::new(&level.scene);
+            let image = tracer.render(&level.scene.camera, size, &(0..=64), arguments.samples, 1)?.image;
+            let of = |c: &glam::Vec3| [&stored(*c, gain)[..], &[255.0]].concat();
+            let bytes: Vec<u8> = image.iter().flat_map(of).map(|b| b.round() as u8).collect();
+            traced = Some(bytes);
         }
     }
-
+    // The red wall is at the least z, and the green one at the greatest.
+    let redness = |(eye, side): (usize, glam::Vec3)| {
+        let rays = truth::rays(&own_camera(EYES[eye].0), (WIDTH, HEIGHT));
+        let is_there = |ray| truth::on_ball(ray, BALL).is_some_and(|at| at.1.dot(side) > NEAR);
+        let pixels = pictures[eye].chunks(4).zip(&rays).filter(|(_, ray)| is_there(*ray));
+        let (red, green) = pixels.fold((0.0, 0.0), |(r, g), (p, _)| (r + linear(p[0]), g + linear(p[1])));
+        red / green
+    };
+    let redder = redness((2, glam::Vec3::NEG_Z)) / redness((3, glam::Vec3::Z));
+    println!("the ball is {redder:.2} times as red towards the red wall as towards the green one");
+    if redder.is_nan() || redder < REDDER {
+        return Err("red and green are mixed up".into());
+    }
     let (door, open) = follow(&mut lit, out)?;
     println!("a shut door: the ball is black; an open one: {open:.2} bytes off; {door}");
     let mut anew = app(&folder.join("rooms.glb"))?;
     wait(&mut anew, "the level", |world| count::<PointLight>(world) > 0)?;
-    self::pictures(&mut anew, "bevy", out)?;
+    let alone = self::pictures(&mut anew, false)?;
+    if let Some(traced) = traced {
+        let rows = [&pictures[SHOWN], &traced, &alone[SHOWN]].map(|p| p.chunks(4 * WIDTH as usize));
+        let [a, b, c] = rows;
+        let all: Vec<u8> = a.zip(b).zip(c).flat_map(|((a, b), c)| [a, b, c].concat()).collect();
+        save(out, "beside.png", (3 * WIDTH, HEIGHT), &all)?;
+    }
     let root = of::<WorldAssetRoot>(anew.app().world_mut())?;
     anew.app().world_mut().entity_mut(root).insert(BakeLight { settings: HOW, sky: Vec3::ZERO });
     wait(&mut anew, "light", |world| count::<LitLevel>(world) > 0)?;
-    for (i, (a, b)) in self::pictures(&mut anew, "anew", out)?.iter().zip(&pictures).enumerate() {
+    for (i, (a, b)) in self::pictures(&mut anew, true)?.iter().zip(&pictures).enumerate() {
         let off = a.iter().zip(b).map(|(a, b)| f32::from(a.abs_diff(*b))).sum::<f32>() / a.len() as f32;
         println!("eye {i}, lit in the world: {off:.2} bytes off the mean");
         if off > ALIKE {
@@ -159,11 +168,8 @@ fn app(file: &Path) -> Any<Rendered> {
     let mut rendered = Rendered::with_plugins(None, add, fill, Transform::default())?;
     let (world, camera) = rendered.world_and_camera();
     let lens = PerspectiveProjection { fov: ANGLE.to_radians(), ..default() };
-    // So that its factor is the gain.
-    let exposure = Exposure { ev100: -(1.2 * GAIN).log2() };
     world.entity_mut(camera).insert((
         Projection::Perspective(lens),
-        exposure,
         Tonemapping::None,
         DebandDither::Disabled,
     ));
@@ -171,6 +177,16 @@ fn app(file: &Path) -> Any<Rendered> {
         camera.clear_color = ClearColorConfig::Custom(Color::BLACK);
     }
     Ok(rendered)
+}
+
+/// Adds a matt ball to a scene.
+fn add_ball(scene: &mut LitScene, (middle, radius): (glam::Vec3, f32), albedo: f32) {
+    let mesh = OwnMesh::ball(4);
+    let materials = vec![scene.materials.len() as u32; mesh.triangles.len()].into();
+    let transform =
+        glam::Affine3A::from_translation(middle) * glam::Affine3A::from_scale(glam::Vec3::splat(radius));
+    scene.objects.push(LitObject { mesh: Arc::new(mesh), materials, uv: Arc::default(), transform });
+    scene.materials.push(Material::matt(glam::Vec3::splat(albedo)));
 }
 
 fn own_camera(eye: [Vec3; 2]) -> Camera {
@@ -199,8 +215,8 @@ fn wait(rendered: &mut Rendered, what: &str, is_so: impl Fn(&mut World) -> bool)
     Err(format!("{what} did not come").into())
 }
 
-/// Pictures from all eyes. Surfaces mirror nothing, and the lamp casts shadows.
-fn pictures(rendered: &mut Rendered, name: &str, out: Option<&Path>) -> Any<Vec<Vec<u8>>> {
+/// Pictures from all eyes. Surfaces mirror nothing; lamps of files cast no shadows by themselves.
+fn pictures(rendered: &mut Rendered, shadows: bool) -> Any<Vec<Vec<u8>>> {
     // Images and shaders come some frames later.
     wait(rendered, "images", |world| {
         let mut maps = world.query::<&Lightmap>();
@@ -214,33 +230,44 @@ fn pictures(rendered: &mut Rendered, name: &str, out: Option<&Path>) -> Any<Vec<
         material.reflectance = 0.0;
     }
     for mut lamp in world.query::<&mut PointLight>().iter_mut(world) {
-        lamp.shadow_maps_enabled = name != "bevy";
+        lamp.shadow_maps_enabled = shadows;
     }
     let mut all = Vec::new();
-    for (i, [eye, to]) in EYES.into_iter().enumerate() {
-        let (world, camera) = rendered.world_and_camera();
-        world.entity_mut(camera).insert(Transform::from_translation(eye).looking_at(to, Vec3::Y));
-        rendered.prepare(10);
+    rendered.prepare(10);
+    for eye in EYES {
+        look(rendered, eye);
         all.push(rendered.capture()?);
-        save(out, &format!("{name}-{i}.png"), (WIDTH, HEIGHT), &all[i])?;
     }
     Ok(all)
 }
 
+/// Looks from an eye.
+fn look(rendered: &mut Rendered, ([eye, to], gain): ([Vec3; 2], f32)) {
+    let (world, camera) = rendered.world_and_camera();
+    // Its factor is the gain.
+    let exposure = Exposure { ev100: -(1.2 * gain).log2() };
+    world.entity_mut(camera).insert((Transform::from_translation(eye).looking_at(to, Vec3::Y), exposure));
+    rendered.prepare(4);
+}
+
 /// What a colour is stored as, before it is rounded.
-fn stored(color: glam::Vec3) -> [f32; 3] {
-    color.to_array().map(|c| Srgba::gamma_function_inverse((GAIN * c).min(1.0)) * 255.0)
+fn stored(color: glam::Vec3, gain: f32) -> [f32; 3] {
+    color.to_array().map(|c| Srgba::gamma_function_inverse((gain * c).min(1.0)) * 255.0)
+}
+
+fn linear(byte: u8) -> f32 {
+    Srgba::gamma_function(f32::from(byte) / 255.0)
 }
 
 /// Checks that pixels are as they must be, where that is known.
-fn agree(what: &str, picture: &[u8], wanted: &Vec<Option<glam::Vec3>>) -> Any<()> {
+fn agree(what: &str, (picture, gain): (&[u8], f32), wanted: &[Option<glam::Vec3>]) -> Any<()> {
     let (mut all, mut wrong, mut light) = (0, 0, 0.0);
     for (pixel, wanted) in picture.chunks(4).zip(wanted) {
         let Some(wanted) = wanted else { continue };
         all += 1;
         light += f32::from(pixel[1]);
-        let off = stored(*wanted).iter().zip(pixel).any(|(a, b)| (a - f32::from(*b)).abs() > BYTES);
-        wrong += u32::from(off);
+        let off = |(a, b): (&f32, &u8)| (a - f32::from(*b)).abs() > BYTES;
+        wrong += u32::from(stored(*wanted, gain).iter().zip(pixel).any(off));
     }
     println!(
         "{what}: {wrong} of {all} pixels are off by more than {BYTES} bytes; their mean is {:.1}",
@@ -253,28 +280,30 @@ fn agree(what: &str, picture: &[u8], wanted: &Vec<Option<glam::Vec3>>) -> Any<()
     }
 }
 
-/// Checks the light of the four sides of the ball beside that which was traced.
-fn sides(picture: &[u8], traced: &[glam::Vec3], balls: &[Option<(glam::Vec3, glam::Vec3)>]) -> Any<()> {
-    let mut ratios = Vec::new();
-    for side in [glam::Vec3::NEG_Z, glam::Vec3::Z, glam::Vec3::Y, glam::Vec3::NEG_Y] {
-        let (mut by_bevy, mut by_rays) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
-        for ((pixel, traced), at) in picture.chunks(4).zip(traced).zip(balls) {
-            if at.is_some_and(|(_, normal)| normal.dot(side) > 0.7) {
-                let of = |i: usize| Srgba::gamma_function(f32::from(pixel[i]) / 255.0) / GAIN;
-                by_bevy += glam::Vec3::new(of(0), of(1), of(2));
-                by_rays += *traced;
-            }
+/// Checks some probes beside a path tracer's light on balls that are too small and dark to change any.
+fn beside(level: &Level, probes: &Probes) -> Any<()> {
+    const FACES: [glam::Vec3; 3] = [glam::Vec3::X, glam::Vec3::Y, glam::Vec3::Z];
+    let faces = FACES.iter().flat_map(|f| [*f, -*f]);
+    let mut worst = 0.0_f32;
+    for near in [BALL.0, glam::Vec3::new(-3.0, 1.0, 2.0), glam::Vec3::new(3.5, 1.5, 0.5)] {
+        let far = |i: &usize| probes.place(*i).distance(near);
+        let all = 0..probes.cubes.len();
+        let probe = all.min_by(|a, b| far(a).total_cmp(&far(b))).ok_or("there are no probes")?;
+        let (at, cube) = (probes.place(probe), probes.cubes[probe]);
+        let mut scene = level.scene.clone();
+        // Lights that are no surfaces are left to Bevy: their first light is no part of probes.
+        add_ball(&mut scene, (at, 0.02), DARK);
+        let tracer = PathTracer::new(&scene);
+        let most = cube.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+        for (face, found) in faces.clone().zip(cube) {
+            let camera = Camera::look_at(at + face * 0.2, at, 1.0, 1.0, 0.05, 50.0);
+            let image = tracer.render(&camera, (8, 8), &(2..=64), SAMPLES, 1)?.image;
+            let wanted = image.iter().sum::<glam::Vec3>() / (64.0 * DARK);
+            worst = worst.max((wanted - found).abs().max_element() / most);
         }
-        let off = (by_bevy - by_rays).abs().element_sum() / by_rays.element_sum();
-        println!("the ball towards {side}: {:.1}% off the path tracer", 100.0 * off);
-        if off.is_nan() || off > OFF {
-            return Err("the ball is not lit as it should be".into());
-        }
-        ratios.push([by_bevy, by_rays].map(|c| c.x / c.y));
     }
-    let redder = [0, 1].map(|i| ratios[0][i] / ratios[1][i]);
-    println!("its red side is redder than the green one by {:.2}, and {:.2} by rays", redder[0], redder[1]);
-    if redder.iter().any(|r| *r < REDDER) { Err("red and green are mixed up".into()) } else { Ok(()) }
+    println!("18 faces of probes are off a path tracer's light by {:.1}% at most", 100.0 * worst);
+    if worst > OFF { Err("probes are not lit as they should be".into()) } else { Ok(()) }
 }
 
 /// Shuts the door and opens it again; the ball follows.
@@ -295,15 +324,11 @@ fn follow(lit: &mut Rendered, out: Option<&Path>) -> Any<(String, f32)> {
             world.query::<&IrradianceVolume>().iter(world).next().map(|v| v.voxels.id()) != old
         })?;
         steps += 1;
-        lit.prepare(10);
-        let (world, camera) = lit.world_and_camera();
-        let [eye, to] = EYES[2];
-        world.entity_mut(camera).insert(Transform::from_translation(eye).looking_at(to, Vec3::Y));
-        lit.prepare(4);
+        look(lit, EYES[2]);
         pictures.push(lit.capture()?);
         save(out, &format!("door-{name}.png"), (WIDTH, HEIGHT), &pictures[pictures.len() - 1])?;
     }
-    let balls = truth::rays(&own_camera(EYES[2]), (WIDTH, HEIGHT));
+    let balls = truth::rays(&own_camera(EYES[2].0), (WIDTH, HEIGHT));
     let ball: Vec<usize> =
         (0..balls.len()).filter(|i| truth::on_ball(&balls[*i], (BALL.0, 0.9 * BALL.1)).is_some()).collect();
     let light = |picture: &[u8]| {
