@@ -63,7 +63,7 @@ const MOST: [(&str, usize); 32] = [
     ("fronts/baked", 1150),
     ("fronts/bevy_casca", 6950),
     ("fronts/bevy_casca_fur", 1700),
-    ("fronts/bevy_casca_light", 1400),
+    ("fronts/bevy_casca_light", 1450),
     ("fronts/capi", 4150),
     ("fronts/casca", 1600),
     ("fronts/page", 250),

@@ -33,12 +33,15 @@ pub struct BakeLight {
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct Moves;
 
+/// A mesh, and its entities.
+type Places = (Handle<Mesh>, Vec<Entity>);
+
 /// A level that is being lit.
 #[derive(Component)]
 pub(crate) struct Baking {
     task: Task<Result<Light, BakeError>>,
     /// The entities by mesh that is lit, in the order of its places.
-    entities: Vec<(Handle<Mesh>, Vec<Entity>)>,
+    entities: Vec<Places>,
 }
 
 /// Probes that follow what moves.
@@ -60,7 +63,7 @@ pub(crate) fn bake(
         let Some((frame, _)) = around.frame(root) else { continue };
         let Found { scene, objects } = around.scene(root, &frame, how.sky);
         let mut numbers: HashMap<AssetId<Mesh>, usize> = HashMap::new();
-        let (mut placed, mut entities): (Vec<Placed>, Vec<(Handle<Mesh>, Vec<Entity>)>) = Default::default();
+        let (mut placed, mut entities): (Vec<Placed>, Vec<Places>) = Default::default();
         for ((entity, mesh, _), object) in objects.iter().zip(&scene.objects).filter(|(o, _)| !o.2) {
             let number = *numbers.entry(mesh.id()).or_insert_with(|| {
                 placed.push(Placed { mesh: (*object.mesh).clone(), places: Vec::new() });
