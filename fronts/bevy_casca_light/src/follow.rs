@@ -15,8 +15,8 @@ use bevy_transform::components::Transform;
 use casca_lightmap::{BakeError, Following, Light, OutputMesh, Placed, Probes, Settings, light};
 use glam::Affine3A;
 
+use crate::lit::{LitLevel, image, volume};
 use crate::world::{Found, Surroundings};
-use crate::{LitLevel, image, volume};
 
 /// Lights what stands below an entity, in the background: give it to the root of a level when that is
 /// loaded. Its meshes then get lightmaps, but for those that move, and it gets probes and a [`LitLevel`].
@@ -28,10 +28,6 @@ pub struct BakeLight {
     /// Radiance of the sky.
     pub sky: Vec3,
 }
-
-/// On a door, or on another thing that moves with all below it: the probes of each [`LitLevel`] follow it.
-#[derive(Component, Debug, Clone, Copy, Default)]
-pub struct Moves;
 
 /// A mesh, and its entities.
 type Places = (Handle<Mesh>, Vec<Entity>);

@@ -11,7 +11,7 @@ use bevy_pbr::Lightmap;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use crate::{LitLevel, volume};
+use crate::lit::{LitLevel, volume};
 
 /// What files say in `extras`.
 #[derive(Deserialize)]

@@ -18,7 +18,7 @@ use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::{Camera, Mesh as OwnMesh, Sides};
 use glam::{Affine3A, Vec3};
 
-use crate::follow::Moves;
+use crate::lit::Moves;
 
 /// Texels of a texture that its mean is taken of, along each side.
 const SAMPLES: u32 = 8;
