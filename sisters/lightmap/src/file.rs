@@ -17,7 +17,7 @@ use serde_json::{Map, Value, json};
 use uvunwrap::OutputMesh;
 
 use crate::atlas::Placed;
-use crate::{BakeError, Light, ktx2};
+use crate::{BakeError, Light, Settings, ktx2};
 
 /// The member of `extras` that holds what was baked.
 const KEY: &str = "casca_light";
@@ -108,15 +108,21 @@ impl<'a> Level<'a> {
     /// it.
     ///
     /// All of the level is as it was, but for the vertices of meshes with a lightmap, which are more, and
-    /// `TEXCOORD_1` of them; strips and fans become triangles, buffers become one, and images become part
-    /// of the file. `extras.casca_light` of a node names its page, from 0, and the rectangle of it in
-    /// which `TEXCOORD_1` lies, as the least x and y and the greatest ones. That of the scene names the
-    /// images of all pages; that of the probes, their box and their counts; and whether the light of
-    /// lights that are no surfaces is baked.
+    /// `TEXCOORD_1` of them, which is `TEXCOORD_0`, too, if there was none; strips and fans become triangles,
+    /// buffers become one, and images become part of the file. `extras.casca_light` of a node names its page,
+    /// from 0, and the rectangle of it in which `TEXCOORD_1` lies, as the least x and y and the greatest ones.
+    /// That of the scene names the images of all pages; that of the probes, their box, their counts and the
+    /// spacing that they were made for; the radiance of the sky; and whether the light of lights that are no
+    /// surfaces is baked.
     ///
     /// # Errors
     /// Something that the file names is missing, or the files would be too large.
-    pub fn lit(&self, name: &str, light: &Light, live: bool) -> Result<Vec<(String, Vec<u8>)>, BakeError> {
+    pub fn lit(
+        &self,
+        name: &str,
+        light: &Light,
+        settings: &Settings,
+    ) -> Result<Vec<(String, Vec<u8>)>, BakeError> {
         let mut writer = Writer { root: self.root.clone(), bytes: Vec::new() };
         writer.take_over(&self.file, self.folder)?;
         for (baked, layout) in self.baked.iter().zip(&light.atlas.meshes) {
@@ -139,8 +145,9 @@ impl<'a> Level<'a> {
         let extra = json!({
             "lightmaps": lightmaps,
             "probes": {"image": image, "min": box_of(probes.min), "max": box_of(probes.max),
-                "counts": probes.counts.to_array()},
-            "lights": if live { "live" } else { "baked" },
+                "counts": probes.counts.to_array(), "spacing": settings.spacing},
+            "sky": self.scene.sky.to_array(),
+            "lights": if settings.live { "live" } else { "baked" },
         });
         writer.extra("scenes", self.file.document.default_scene().map_or(0, |s| s.index()), extra);
         let (size, texels) = probes.texture();
@@ -296,23 +303,17 @@ impl Writer {
                 let accessor = number.as_u64().and_then(|i| file.document.accessors().nth(i as usize));
                 // Broken ones that nothing needs are left out.
                 if let Some(bytes) = accessor.and_then(|a| gathered(file, &a, &kept).map(|b| (a, b))) {
-                    attributes
-                        .insert(name.clone(), self.accessor(&bytes.0, bytes.1, kept.len(), name).into());
+                    let number = self.like(&bytes.0, bytes.1, kept.len(), name);
+                    attributes.insert(name.clone(), number.into());
                 }
             }
             let uv: Vec<u8> = uv.into_iter().flatten().flat_map(f32::to_le_bytes).collect();
-            let view = self.view(&uv, Some(8));
-            let number = self.push(
-                "accessors",
-                json!({"bufferView": view, "componentType": F32, "count": kept.len(), "type": "VEC2"}),
-            );
+            let number = self.accessor((&uv, Some(8)), kept.len(), F32, "VEC2");
             attributes.insert("TEXCOORD_1".to_owned(), number.into());
-            let count = indices.len();
-            let view = self.view(&indices.into_iter().flat_map(u32::to_le_bytes).collect::<Vec<_>>(), None);
-            let number = self.push(
-                "accessors",
-                json!({"bufferView": view, "componentType": U32, "count": count, "type": "SCALAR"}),
-            );
+            // Sets start with 0, and Bevy draws nothing that has a second one alone.
+            attributes.entry("TEXCOORD_0").or_insert_with(|| number.into());
+            let bytes: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
+            let number = self.accessor((&bytes, None), indices.len(), U32, "SCALAR");
             let text = &mut self.root["meshes"][baked.mesh]["primitives"][primitive.index()];
             (text["attributes"], text["indices"], text["mode"]) =
                 (attributes.into(), number.into(), 4.into());
@@ -320,14 +321,14 @@ impl Writer {
         Ok(())
     }
 
+    fn accessor(&mut self, view: (&[u8], Option<usize>), count: usize, component: u32, kind: &str) -> usize {
+        let view = self.view(view.0, view.1);
+        let text = json!({"bufferView": view, "componentType": component, "count": count, "type": kind});
+        self.push("accessors", text)
+    }
+
     /// An accessor like another, with so many other elements.
-    fn accessor(
-        &mut self,
-        old: &Accessor,
-        (bytes, wide): (Vec<u8>, usize),
-        count: usize,
-        name: &str,
-    ) -> usize {
+    fn like(&mut self, old: &Accessor, (bytes, wide): (Vec<u8>, usize), count: usize, name: &str) -> usize {
         let mut text = self.root["accessors"][old.index()].clone();
         text["bufferView"] = self.view(&bytes, Some(wide)).into();
         text["count"] = count.into();

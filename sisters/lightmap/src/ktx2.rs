@@ -15,7 +15,7 @@ const BRIGHTEST: f32 = 65408.0;
 
 /// A colour in 32 bits. What is no number or less than 0 becomes 0; the greatest channel errs by 1 in
 /// 512 at most, and others by as much.
-pub(crate) fn packed(color: Vec3) -> u32 {
+pub fn packed(color: Vec3) -> u32 {
     // Not so for what is no number.
     let channels = color.to_array().map(|c| if c > 0.0 { c.min(BRIGHTEST) } else { 0.0 });
     let most = channels.into_iter().fold(0.0, f32::max);

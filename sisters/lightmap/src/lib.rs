@@ -22,8 +22,8 @@ pub use backs::Backs;
 pub use beside::{Beside, beside};
 pub use error::BakeError;
 pub use file::Level;
-pub use ktx2::unpacked;
-pub use light::{Light, Progress, light};
+pub use ktx2::{packed, unpacked};
+pub use light::{Following, Light, Progress, light};
 pub use probes::Probes;
 pub use uvunwrap::{Atlas, InstanceRect, OutputMesh};
 

@@ -2,19 +2,18 @@
 
 use std::f32::consts::PI;
 
-use casca_radiosity::lit::LitScene;
+use casca_radiosity::lit::{LitObject, LitScene};
 use casca_radiosity::{Cache, Grid, LightError, Scene, Statistics};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use rayon::{current_num_threads, prelude::*};
 
 use uvunwrap::Atlas;
 
 use crate::atlas::{PADDING, Placed, texels, unwrap};
-use crate::probes::{FACES, Probes};
-use crate::{Backs, BakeError, Settings};
+use crate::{Backs, BakeError, Probes, Settings};
 
 /// Rays of a probe for each of its faces; of texels, where no surface in a cell answers.
-const ANSWER_RAYS: u32 = 128;
+const ANSWER_RAYS: u32 = 512;
 /// States that send their rays between two calls of the progress.
 const PART: usize = 4096;
 /// The share of rays of states that no texel reads.
@@ -41,6 +40,89 @@ pub struct Light {
     pub statistics: Statistics,
 }
 
+/// A scene that is lit, and whose probes follow what moves.
+pub struct Following {
+    scene: LitScene,
+    cache: Cache,
+    /// The light in the open, as objects stand now.
+    pub probes: Probes,
+    /// Of states that are asked for, and of others.
+    rays: (u32, u32),
+}
+
+impl Following {
+    /// Lights a scene, and probes around it: [`Settings`] say how. Takes as long as a bake without texels.
+    ///
+    /// # Errors
+    /// As [`Probes::new`], and the scene cannot be lit.
+    pub fn new(scene: LitScene, settings: &Settings) -> Result<Self, BakeError> {
+        let mut dark = Self::dark(scene, settings)?;
+        dark.light(&[], &mut |_, _, _| {})?;
+        Ok(dark)
+    }
+
+    /// Moves objects of the scene, by their numbers, and lights the probes anew. Only rays that can have
+    /// changed are sent; what leaves the box of the probes lights nothing.
+    ///
+    /// # Errors
+    /// There is no such object, or the scene cannot be lit so.
+    pub fn moved(&mut self, places: &[(usize, Affine3A)]) -> Result<(), BakeError> {
+        let object = |(number, place): &(usize, Affine3A)| {
+            let object = self.scene.objects.get(*number);
+            // The cache says that there is no such object.
+            let object =
+                object.map(|o| LitObject { transform: *place, ..o.clone() }.lit(&self.scene.materials));
+            (*number, object.unwrap_or_default())
+        };
+        self.cache.set_objects(places.iter().map(object).collect())?;
+        places.iter().for_each(|(number, place)| self.scene.objects[*number].transform = *place);
+        self.light(&[], &mut |_, _, _| {}).map(|_| ())
+    }
+
+    /// A scene in a cache, and probes without light.
+    fn dark(scene: LitScene, settings: &Settings) -> Result<Self, BakeError> {
+        settings.check()?;
+        let given = Scene::from(&scene);
+        let grid = Grid::around(&given.objects, settings.cells);
+        let probes = Probes::new((grid.min, grid.max), settings.spacing)?;
+        let mut how = casca_radiosity::Settings::new(grid);
+        (how.threads, how.answer_rays) = (current_num_threads() as u32, ANSWER_RAYS);
+        let cache = Cache::new(&given, how)?;
+        Ok(Self { scene, cache, probes, rays: (settings.rays, settings.rays.div_ceil(FARTHER)) })
+    }
+
+    /// Lights the probes, and what more questions need; returns what is solid.
+    fn light(&mut self, questions: &[(Vec3, Vec3)], progress: &mut Progress) -> Result<Backs, BakeError> {
+        let cubes = self.probes.questions();
+        let all = questions.len() + cubes.len();
+        for (i, (point, normal)) in questions.iter().chain(&cubes).enumerate() {
+            if i % PART == 0 {
+                progress("asking for light", i, all);
+            }
+            self.cache.request(*point, *normal)?;
+        }
+        let mut sent = 0;
+        while self.cache.waiting() > 0 {
+            sent += self.cache.waiting().min(PART);
+            let waiting = self.cache.gather_part(self.rays, PART)?;
+            progress("sending rays", sent, sent + waiting);
+        }
+        progress("passing light along", 0, 1);
+        // Else a room whose door is shut would keep some light.
+        self.cache.darken();
+        self.cache.direct();
+        self.cache.converge(SETTLED, MOST_PASSES);
+        // Engines light what moves by lights that are no surfaces.
+        self.cache.set_lights(&[])?;
+        let open = answers(&self.cache, &cubes, ("lighting probes", progress));
+        self.cache.set_lights(&self.scene.lights)?;
+        self.probes.cubes.copy_from_slice(open?.as_chunks().0);
+        let backs = Backs::new(&self.scene.triangles());
+        self.probes.fill(&backs);
+        Ok(backs)
+    }
+}
+
 /// Lights the texels of meshes, and probes around the scene that these stand in, by the threads of the
 /// current pool of `rayon`, on which results do not depend.
 ///
@@ -52,48 +134,17 @@ pub fn light(
     settings: &Settings,
     progress: &mut Progress,
 ) -> Result<Light, BakeError> {
-    settings.check()?;
-    let given = Scene::from(scene);
-    let grid = Grid::around(&given.objects, settings.cells);
-    let mut probes = Probes::new((grid.min, grid.max), settings.spacing)?;
+    let mut lit = Following::dark(scene.clone(), settings)?;
     progress("unwrapping meshes", 0, placed.len());
     let atlas = unwrap(placed, settings.texels, settings.side)?;
     let texels = texels(&atlas, placed);
     let questions: Vec<(Vec3, Vec3)> = texels.lit.iter().map(|t| (t.point, t.normal)).collect();
-    let places = (0..probes.cubes.len()).map(|i| probes.place(i));
-    let cubes: Vec<(Vec3, Vec3)> = places.flat_map(|p| FACES.map(|face| (p, face))).collect();
-
-    let mut how = casca_radiosity::Settings::new(grid);
-    (how.threads, how.answer_rays) = (current_num_threads() as u32, ANSWER_RAYS);
-    let mut cache = Cache::new(&given, how)?;
-    let all = questions.len() + cubes.len();
-    for (i, (point, normal)) in questions.iter().chain(&cubes).enumerate() {
-        if i % PART == 0 {
-            progress("asking for light", i, all);
-        }
-        cache.request(*point, *normal)?;
-    }
-    let rays = (settings.rays, settings.rays.div_ceil(FARTHER));
-    let mut sent = 0;
-    while cache.waiting() > 0 {
-        sent += cache.waiting().min(PART);
-        let waiting = cache.gather_part(rays, PART)?;
-        progress("sending rays", sent, sent + waiting);
-    }
-    progress("passing light along", 0, 1);
-    cache.direct();
-    cache.converge(SETTLED, MOST_PASSES);
+    let backs = lit.light(&questions, progress)?;
     if settings.live {
-        cache.set_lights(&[])?;
+        lit.cache.set_lights(&[])?;
     }
-    let found = answers(&cache, &questions, ("lighting texels", progress))?;
-    // Engines light what moves themselves.
-    cache.set_lights(&[])?;
-    let open = answers(&cache, &cubes, ("lighting probes", progress))?;
-    probes.cubes.copy_from_slice(open.as_chunks().0);
-    let backs = Backs::new(&scene.triangles());
-    probes.fill(&backs);
-
+    let found = answers(&lit.cache, &questions, ("lighting texels", progress))?;
+    let Following { cache, probes, .. } = lit;
     let mut pages = vec![None; (atlas.page_count * atlas.width * atlas.height) as usize];
     // Else walls would have dark lines at their feet: there surfaces go on within them.
     let mut buried = Vec::new();

@@ -6,7 +6,7 @@ use glam::{IVec3, UVec3, Vec3};
 use crate::{Backs, BakeError};
 
 /// What surfaces along each axis face, in the order of [`Probes::cubes`].
-pub(crate) const FACES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+const FACES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
 /// Texels along a side of a texture of three dimensions that each device takes.
 const MOST_SIDE: f32 = 2048.0;
 /// Probes that a grid has at most: rays of each of them are many.
@@ -51,6 +51,12 @@ impl Probes {
         let number = number as u32;
         let cell = UVec3::new(number % x, number / x % y, number / (x * y));
         self.min + (self.max - self.min) * (cell.as_vec3() + 0.5) / self.counts.as_vec3()
+    }
+
+    /// All points and normals that are to be lit, in the order of [`Self::cubes`].
+    pub(crate) fn questions(&self) -> Vec<(Vec3, Vec3)> {
+        let places = (0..self.cubes.len()).map(|i| self.place(i));
+        places.flat_map(|p| FACES.map(|face| (p, face))).collect()
     }
 
     /// Gives the probes within solids the mean of those beside them that are not: what moves is lit by

@@ -93,33 +93,26 @@ pub fn run(options: &Options) -> Result<Outcome, Box<dyn std::error::Error>> {
         }
     })
     .map_err(|why| named(&why))?;
-    for (name, bytes) in level.lit(&name, &found, options.live).map_err(|why| named(&why))? {
+    for (name, bytes) in level.lit(&name, &found, &settings).map_err(|why| named(&why))? {
         let path = options.out.parent().unwrap_or(Path::new("")).join(name);
         // The level gets the name that was asked for, whatever its ending is.
         let path = if path.extension().is_some_and(|e| e == "glb") { &options.out } else { &path };
         std::fs::write(path, &bytes).map_err(PathError::write(path))?;
         say(format_args!("{}: {} bytes", path.display(), bytes.len()));
     }
-    let (atlas, probes) = (&found.atlas, found.probes.counts);
+    let (atlas, n, lit, bytes) = (&found.atlas, found.probes.counts, found.lit, found.statistics.bytes);
+    let (pages, width, height, megabytes) = (atlas.page_count, atlas.width, atlas.height, bytes as f64 / 1e6);
     say(format_args!(
-        "{} lit texels on {} pages of {} x {}, {} x {} x {} probes, {:.1} MB of cache",
-        found.lit,
-        atlas.page_count,
-        atlas.width,
-        atlas.height,
-        probes.x,
-        probes.y,
-        probes.z,
-        found.statistics.bytes as f64 / 1e6
+        "{lit} lit texels on {pages} pages of {width} x {height}, {} probes, {megabytes:.1} MB of cache",
+        n.to_array().map(|n| n.to_string()).join(" x ")
     ));
     if options.check > 0 {
         let b = beside(&level.scene, &level.placed, &found, options.check, SAMPLES);
+        let (texels, light, [error, noise]) =
+            (b.texels, 1.0 + b.difference, [b.error, b.noise].map(|x| 100.0 * x));
         say(format_args!(
-            "beside a path tracer at {} texels: mean light {:.3}, mean error {:.1}%, its own noise {:.1}%",
-            b.texels,
-            1.0 + b.difference,
-            100.0 * b.error,
-            100.0 * b.noise
+            "beside a path tracer at {texels} texels: mean light {light:.3}, mean error {error:.1}%, \
+             its own noise {noise:.1}%"
         ));
     }
     Ok(Outcome::Well)

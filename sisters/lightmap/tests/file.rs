@@ -50,7 +50,7 @@ type Image = ([u32; 3], Vec<Vec3>);
 fn lit(bytes: &[u8]) -> (Gltf, Vec<u8>, Value, Vec<Image>, Probes) {
     let level = Level::read("level", bytes, None).unwrap();
     let found = light(&level.scene, &level.placed, &FAST, &mut |_, _, _| {}).unwrap();
-    let files = level.lit("lit", &found, false).unwrap();
+    let files = level.lit("lit", &found, &FAST).unwrap();
     assert_eq!(files[0].0, "lit.glb");
     let read = Gltf::from_slice(&files[0].1).unwrap();
     let glb = gltf::Glb::from_slice(&files[0].1).unwrap();
@@ -99,6 +99,8 @@ fn a_lit_level_is_the_level_with_coordinates_and_images_that_are_read_back() {
     let reader = primitives[0].reader(|_| Some(&bin));
     let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
     let uv: Vec<[f32; 2]> = reader.read_tex_coords(1).unwrap().into_f32().collect();
+    // Sets of coordinates start with the first.
+    assert!(reader.read_tex_coords(0).unwrap().into_f32().eq(uv.iter().copied()));
     let colors: Vec<[u8; 3]> = reader.read_colors(0).unwrap().into_rgb_u8().collect();
     let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
     assert_eq!((positions.len(), uv.len(), indices.len()), (4, 4, 6));
@@ -157,7 +159,7 @@ fn damaged_files_and_levels_without_anything_still_are_errors() {
         let Ok(level) = Level::read("broken", &broken, None) else { continue };
         let coarse = Settings { texels: 0.5, cells: 4, rays: 1, ..FAST };
         let Ok(found) = light(&level.scene, &level.placed, &coarse, &mut |_, _, _| {}) else { continue };
-        if let Ok(files) = level.lit("lit", &found, true) {
+        if let Ok(files) = level.lit("lit", &found, &Settings { live: true, ..coarse }) {
             assert!(Level::read("again", &files[0].1, None).is_ok());
         }
     }

@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use casca_lightmap::{BakeError, Light, Placed, Settings, beside, light, on_page, texels, unwrap};
+use casca_lightmap::{
+    BakeError, Following, Light, Placed, Probes, Settings, beside, light, on_page, texels, unwrap,
+};
 use casca_radiosity::Light as Lamp;
 use casca_radiosity::lit::{Kind, LitObject, LitScene, Material};
 use casca_scenes::world::Mesh;
@@ -133,12 +135,8 @@ fn floors_are_as_bright_at_the_feet_of_walls_that_stand_in_them_as_beside() {
         let depth = 0.55 - t.point.x.abs().max(t.point.z.abs());
         if t.normal.y > 0.9 && t.point.y < 0.01 && depth > 0.0 && depth < 0.24 {
             near += 1;
-            assert!(
-                found.texels[t.number as usize].x > 0.5,
-                "{} {}",
-                t.point,
-                found.texels[t.number as usize]
-            );
+            let color = found.texels[t.number as usize];
+            assert!(color.x > 0.5, "{} {color}", t.point);
         }
     }
     assert!(near > 20, "{near}");
@@ -192,6 +190,35 @@ fn charts_overlap_nowhere_and_stay_on_their_pages_with_the_density_that_was_aske
         // The cuboid alone has twice 3.0 x 5.0 square metres, and the scale is that of its longest axis.
         assert!(owner.len() > 5_000 && area > 100.0 * 4.0 * 31.6, "{} {area}", owner.len());
     }
+}
+
+#[test]
+fn probes_follow_a_door_as_if_they_were_baked_anew() {
+    // Two rooms with a gap in their wall, which a door shuts, and a lamp in the first.
+    let solid = |[x0, x1]: [f32; 2], [z0, z1]: [f32; 2]| {
+        cuboid(Vec3::new(x0, 0.0, z0), Vec3::new(x1, 2.0, z1), false, 0)
+    };
+    let rooms = cuboid(Vec3::ZERO, Vec3::new(4.2, 2.0, 2.0), true, 0);
+    let mut objects = vec![solid([2.05, 2.15], [0.6, 1.4]), rooms];
+    objects.extend([[0.0, 0.7], [1.3, 2.0]].map(|z| solid([2.0, 2.2], z)));
+    let lamps = vec![Lamp::point(Vec3::ONE, Vec3::ONE)];
+    let mut scene = scene(objects, vec![Material::matt(Vec3::splat(0.8))], lamps);
+    let settings = Settings { spacing: 0.5, cells: 32, ..FAST };
+    let mut following = Following::new(scene.clone(), &settings).unwrap();
+    let light = |p: &Probes, least: f32| -> f32 {
+        let far = (0..p.cubes.len()).filter(|i| p.place(*i).x > least);
+        far.map(|i| p.cubes[i].iter().map(|c| c.x).sum::<f32>()).sum()
+    };
+    // It slides into the wall.
+    for open in [0.0, 0.55, 0.3, 0.0] {
+        scene.objects[0].transform = Affine3A::from_translation(Vec3::Z * open);
+        following.moved(&[(0, scene.objects[0].transform)]).unwrap();
+        let (anew, found) = (baked(&scene, &settings).probes, &following.probes);
+        let off: f32 = anew.cubes.iter().zip(&found.cubes).map(|(a, b)| (a[0] - b[0]).abs().x).sum();
+        let (sum, beyond) = (light(&anew, 0.0), light(found, 2.5));
+        assert!(off < 0.005 * sum && (beyond > 0.0) == (open > 0.0), "{open}: {off} of {sum}, {beyond}");
+    }
+    assert!(following.moved(&[(9, Affine3A::IDENTITY)]).unwrap_err().to_string().contains("object"));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::mpsc::channel;
 
 use bevy::app::PluginsState;
+use bevy::asset::UnapprovedPathMode;
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::VisibleEntities;
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -51,7 +52,9 @@ impl Rendered {
         let window =
             WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
         let render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
-        let plugins = DefaultPlugins.set(window).set(render).disable::<LogPlugin>();
+        // Levels are made beside the program's own files.
+        let files = AssetPlugin { unapproved_path_mode: UnapprovedPathMode::Allow, ..default() };
+        let plugins = DefaultPlugins.set(window).set(render).set(files).disable::<LogPlugin>();
         #[cfg(feature = "window")]
         let plugins = plugins.disable::<bevy::winit::WinitPlugin>();
         // A frame is drawn before the next one begins.

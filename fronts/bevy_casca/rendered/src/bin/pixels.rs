@@ -47,13 +47,8 @@ fn main() -> ExitCode {
     let mut alike = true;
     let all = arguments.scene.map_or(Scene::ALL.to_vec(), |scene| vec![scene]);
     for scene in all {
-        match compare(scene, arguments.frames, arguments.out.as_deref()) {
-            Ok(differ) => alike &= differ == 0,
-            Err(why) => {
-                eprintln!("{why}");
-                alike = false;
-            }
-        }
+        let differ = compare(scene, arguments.frames, arguments.out.as_deref());
+        alike &= differ.inspect_err(|why| eprintln!("{why}")) == Ok(0);
     }
     ExitCode::from(u8::from(!alike))
 }
