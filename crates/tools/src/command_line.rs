@@ -115,7 +115,7 @@ pub fn say(line: impl Display) {
 /// The largest coordinate: squares of such distances are finite in single precision.
 const FARTHEST: f64 = 1e15;
 
-/// Reads three numbers from a word of a command line. The error says what is expected.
+/// Parses an argument such as `1.5,2,-3` as a point. The error gives an example.
 pub fn point(text: &str) -> Result<DVec3, String> {
     let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.abs() <= FARTHEST);
     let numbers = text.split(',').map(number).collect::<Option<Vec<f64>>>();
@@ -123,7 +123,7 @@ pub fn point(text: &str) -> Result<DVec3, String> {
     point.ok_or_else(|| format!("expected three numbers up to {FARTHEST:e}, such as 1.5,2,-3"))
 }
 
-/// Reads a direction from a word of a command line, and makes it 1 long. The error says what is wrong.
+/// Parses an argument as a point, and returns the direction to it, of length 1. The error repeats the argument.
 pub fn direction(text: &str) -> Result<Vec3, String> {
     let direction = point(text)?.as_vec3().try_normalize();
     direction.ok_or_else(|| format!("{text} has no direction: its length must be finite and more than 0"))

@@ -194,7 +194,8 @@ pub(crate) fn check_cameras(
         if let (Some(clusters), Some(at)) = (&mut camera.clusters, camera.transform) {
             let depths = in_view[first..].iter().filter_map(|(lamp, _)| Some(later.get(lamp)?.depth(at)));
             let far = depths.fold(f32::NEG_INFINITY, f32::max);
-            if clusters.last_frame_farthest_z.is_some_and(|known| known < far) {
+            // A camera without a size has no depths.
+            if far.is_finite() && clusters.last_frame_farthest_z.is_some_and(|known| known < far) {
                 clusters.last_frame_farthest_z = Some(far);
             }
         }

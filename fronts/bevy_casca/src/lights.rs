@@ -71,7 +71,7 @@ pub(crate) fn check_suns(
         let tiles = shaft.tiles().map(|tile| ((sun, camera, tile), shaft.aim(tile), !shaft.holds(tile)));
         wanted.extend(tiles.filter_map(|(key, aim, later)| Some((later, casca.suns.ran(&key), key, aim?))));
     }
-    // First what cascades hold now, and of that what was not asked for longest.
+    // Tiles that cascades hold now come first; among these, the one whose last query is longest ago.
     wanted.sort_by_key(|&(later, ran, ..)| (later, ran));
     let wanted = wanted.into_iter().map(|(.., key, aim)| (key, aim)).collect();
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
@@ -165,9 +165,10 @@ impl Shaft {
         (min.y..=max.y).flat_map(move |y| (min.x..=max.x).map(move |x| IVec2::new(x, y)))
     }
 
-    /// Across the light, with room for rounding.
+    /// Across the light, with room for rounding: of its own place, and of what lies far along the light.
     fn tile(&self, tile: IVec2) -> (Vec2, f32) {
-        ((tile.as_vec2() + 0.5) * self.edge, self.edge * 0.5 * SLACK)
+        let half = self.edge * 0.5 * SLACK + border::rounding(Vec3A::splat(self.depth));
+        ((tile.as_vec2() + 0.5) * self.edge, half)
     }
 
     /// Whether the cascades hold something of a tile now.

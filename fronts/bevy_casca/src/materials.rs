@@ -87,7 +87,7 @@ pub fn never_hidden<C: Component>(app: &mut App) {
     watch(app.world_mut(), id, Verdict { by, said: Ok(Surface::InFront), ready: true, watched: true });
 }
 
-/// A camera, and what it looks at.
+/// A camera, and the layers that it draws.
 type Looks = (&'static Camera, Option<&'static RenderLayers>);
 
 /// A plugin that knows which cameras draw materials of the deferred method: those with the component

@@ -198,7 +198,7 @@ fn change_assets(world: &mut World, stock: &Stock, dice: &mut Dice, frame: u32) 
         paint.alpha_mode = ["blend", "opaque"][below(dice, 2) as usize];
         return;
     }
-    // A renderer keeps what it was given.
+    // A renderer that has the image goes on drawing with it.
     let (image, None) = stock.picture.clone() else { return };
     let picture = picture(RenderAssetUsages::default());
     world.resource_mut::<Assets<Image>>().insert(&image, picture).unwrap();

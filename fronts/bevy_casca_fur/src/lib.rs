@@ -2,8 +2,8 @@
 //!
 //! [`FurPlugin`] gives each entity with a mesh and [`Furry`] a child, the [`Coat`], whose mesh
 //! holds all layers of the fur, and chooses in each frame how many there are: by their height in
-//! pixels, by what was visible in the last frame, and by a budget ([`FurSettings`]). Where
-//! strands stand is the text of [`casca_fur`]. The README has an example.
+//! pixels, by the animals that were visible in the last frame, and by a budget ([`FurSettings`]).
+//! [`casca_fur`] has the shader text that places strands. The README has an example.
 
 mod coat;
 mod grow;

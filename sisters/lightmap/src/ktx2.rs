@@ -65,9 +65,9 @@ mod tests {
 
     #[test]
     fn colours_err_by_half_a_step_and_zero_and_nonsense_are_black() {
-        let (dark, step) = (1e-3_f32, 1.0045_f32);
+        const RAMP: (f32, f32) = (1e-3, 1.0045); // From a dark room to beyond the brightest value.
         for i in 0..4000 {
-            let most = dark * step.powi(i % 3900);
+            let most = RAMP.0 * RAMP.1.powi(i % 3900);
             let color = Vec3::new(most, most * (i % 7) as f32 / 7.0, most * (i % 11) as f32 / 11.0);
             let error = (unpacked(packed(color)) - color).abs().max_element();
             assert!(error <= most / 512.0, "{color}: {error}");

@@ -153,7 +153,7 @@ pub fn headless(with_casca: bool) -> App {
     app
 }
 
-/// The numbers of what is visible.
+/// The numbers of all visible entities.
 pub fn visible(app: &mut App) -> BTreeSet<u32> {
     let mut all = app.world_mut().query::<(&Nr, &ViewVisibility)>();
     all.iter(app.world()).filter(|(_, seen)| seen.get()).map(|(nr, _)| nr.0).collect()

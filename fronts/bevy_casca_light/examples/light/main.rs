@@ -31,7 +31,8 @@ const HOW: Settings = Settings { texels: 8.0, side: 1024, spacing: 0.4, cells: 4
 /// A white ball in the second room, which light reaches only through the door.
 const BALL: (glam::Vec3, f32) = (glam::Vec3::new(2.0, 1.0, 2.2), 0.45);
 const ANGLE: f32 = 60.0;
-/// Eyes, what they look at, and what light is multiplied by: in the first room, and in the second one towards the ball and the door.
+/// Cameras: the eye, its target, and the gain of the picture. The first is in the first room; those in the
+/// second room look at the door and at the ball.
 const EYES: [([Vec3; 2], f32); 4] = [
     ([Vec3::new(-0.3, 2.2, 3.6), Vec3::new(-3.0, 0.6, 1.0)], 0.1),
     ([Vec3::new(4.0, 1.4, 2.0), Vec3::new(0.0, 0.9, 2.0)], 0.6),

@@ -8,6 +8,7 @@ use rand_pcg::Pcg64Mcg;
 use super::*;
 
 const SIZE: [i32; 2] = [7, 6];
+const EDGE: f32 = 1e-3; // So near to the border of a tile, rounding decides.
 
 /// A map as its attributes say.
 struct Sample {
@@ -102,7 +103,7 @@ fn walls_hide_where_their_pixels_are() {
         for (point, place) in points.iter().zip(places) {
             let nearest = sample.tiles().map(|(tile, wall)| (sample.away(tile, place), wall));
             let (away, wall) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-            if (away - 1.0).abs() < 1e-3 {
+            if (away - 1.0).abs() < EDGE {
                 continue;
             }
             let wall = wall && away < 1.0;

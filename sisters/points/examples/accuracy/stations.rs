@@ -7,8 +7,7 @@ use glam::{Quat, Vec3};
 use std::collections::HashMap;
 use std::error::Error;
 
-/// Cells of directions in a radian, a degree each, and how much shorter, in metres, the rays around
-/// must be: more than scans are out of place.
+/// Cells of a degree in a radian, and by how many metres rays around must be shorter: more than scans err.
 const CELLS: f32 = 57.3;
 const SHORTER: f32 = 0.3;
 

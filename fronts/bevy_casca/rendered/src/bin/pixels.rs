@@ -36,13 +36,7 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     if let Some(size) = arguments.load {
-        return match load(size) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(why) => {
-                eprintln!("{why}");
-                ExitCode::FAILURE
-            }
-        };
+        return ExitCode::from(u8::from(load(size).inspect_err(|why| eprintln!("{why}")).is_err()));
     }
     let mut alike = true;
     let all = arguments.scene.map_or(Scene::ALL.to_vec(), |scene| vec![scene]);
