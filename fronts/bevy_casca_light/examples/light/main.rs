@@ -26,8 +26,8 @@ use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::{Camera, Mesh as OwnMesh};
 use clap::Parser;
 
-/// How the level is lit.
-const HOW: Settings = Settings { texels: 8.0, side: 1024, spacing: 0.4, cells: 48, rays: 64, live: false };
+/// How the level is lit: on several small pages.
+const HOW: Settings = Settings { texels: 8.0, side: 128, spacing: 0.4, cells: 48, rays: 64, live: false };
 /// A white ball in the second room, which light reaches only through the door.
 const BALL: (glam::Vec3, f32) = (glam::Vec3::new(2.0, 1.0, 2.2), 0.45);
 const ANGLE: f32 = 60.0;
@@ -87,7 +87,11 @@ fn main() -> Any<()> {
         std::fs::write(folder.join(name), bytes)?;
     }
 
-    println!("{} texels, {} probes", found.lit, found.probes.cubes.len());
+    let pages = found.atlas.page_count;
+    println!("{} texels on {pages} pages, {} probes", found.lit, found.probes.cubes.len());
+    if pages < 2 {
+        return Err("all texels are on one page".into());
+    }
     let mut lit = app(&folder.join("lit.glb"))?;
     wait(&mut lit, "the level", |world| count::<LitLevel>(world) > 0)?;
     let pictures = pictures(&mut lit, true)?;
