@@ -56,6 +56,19 @@ pub enum Trouble {
     /// It requires extensions that are not read.
     #[error("requires extensions that are not read: {0}")]
     Extensions(String),
+    /// What Draco packs is damaged, or not as the file says.
+    #[error(
+        "primitive {primitive} of mesh {mesh} is packed by Draco, and cannot be had: {why}; \
+        export it anew, or without compression"
+    )]
+    Packed {
+        /// Index of the mesh.
+        mesh: usize,
+        /// Index of the primitive in the mesh.
+        primitive: usize,
+        /// Why.
+        why: String,
+    },
     /// The corners of a primitive make no whole triangles.
     #[error("primitive {primitive} of mesh {mesh} has {corners} corners, which make no whole triangles")]
     Corners {

@@ -81,6 +81,7 @@ mod container;
 mod contents;
 mod deformed;
 mod document;
+mod draco;
 mod error;
 mod hides;
 mod instances;
