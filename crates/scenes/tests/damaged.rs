@@ -55,7 +55,7 @@ fn damaged_scenes_are_read_or_refused() {
         assert_eq!(read("whole", file, None).map(|world| world.objects.len()).ok(), Some(4));
     }
     let mut taken = 0;
-    damage::survive(&HEAP, "scenes", &whole, 6000, &files::mend, &mut |bytes| {
+    damage::survive(&HEAP, "scenes", &whole, 4000, &files::mend, &mut |bytes| {
         taken += usize::from(read_all(bytes));
     });
     // The second file is all text.

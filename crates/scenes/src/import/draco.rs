@@ -4,11 +4,11 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use draco_core::{DataType, DecodeLimits, DecoderBuffer, ErrorKind, Mesh, MeshDecoder, PointIndex};
+use casca_draco::{Unpacked, unpacked};
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::buffer::{Buffer, View};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked::{self, Valid};
+use gltf::json::validation::Checked::Valid;
 use gltf::json::{Accessor, Index, Root};
 use serde_json::Value;
 
@@ -19,28 +19,22 @@ use super::warnings::Warnings;
 /// The name of the extension.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 /// Bytes that any file may unpack to, and in addition for each byte of its buffers. Meshes take ten
-/// to twenty, a flat grid of a million vertices a hundred; unpacking needs eight times as many.
+/// to twenty, a flat grid of a million vertices a hundred.
 const FREE: usize = 1 << 24;
 const FOR_A_BYTE: usize = 128;
-/// Bytes of an unpacked index, and of a triangle of three.
-const INDEX: usize = 4;
-const TRIANGLE: usize = 3 * INDEX;
 
-const TOO_MUCH: &str = "unpacks to too much";
-const OTHER: &str = "is of another type than its accessor";
-/// A warning.
 const TWICE: &str =
     "is there twice, plain and packed by Draco, which rounds: the plain form is read; draw that one";
 
 /// A document whose primitives are unpacked.
-struct Unpacked {
+struct Document {
     root: Root,
     /// The bytes of its last buffer.
     bytes: Vec<u8>,
     /// Bytes that may still be unpacked.
     left: usize,
     /// By buffer view.
-    streams: HashMap<usize, Rc<Mesh>>,
+    streams: HashMap<usize, Rc<Unpacked>>,
     /// By buffer view, attribute there or none for indices, and the accessor without bytes.
     accessors: HashMap<(usize, Option<u32>, usize), Index<Accessor>>,
 }
@@ -57,7 +51,7 @@ pub(super) fn unpack_primitives(
     }
     let required = document.extensions_required().any(|name| name == DRACO);
     let views: Vec<_> = document.views().collect();
-    let mut unpacked = Unpacked {
+    let mut new = Document {
         root: document.as_json().clone(),
         bytes: Vec::new(),
         left: buffers.bytes().saturating_mul(FOR_A_BYTE).saturating_add(FREE),
@@ -67,20 +61,23 @@ pub(super) fn unpack_primitives(
     for (m, mesh) in meshes.iter_mut().enumerate() {
         for (p, primitive) in mesh.primitives.iter_mut().enumerate() {
             let Some(said) = said(primitive).cloned() else { continue };
-            if !required && !unpacked.is_bare(primitive) {
-                warnings.add(format!("primitive {p} of mesh {m}"), TWICE);
+            let place = format!("primitive {p} of mesh {m}");
+            if !required && !new.is_bare(primitive) {
+                warnings.add(place, TWICE);
                 continue;
             }
             let view = said["bufferView"].as_u64().and_then(|i| views.get(usize::try_from(i).ok()?));
             view.ok_or_else(|| "its buffer view is not there".to_owned())
                 .and_then(|view| {
                     let packed = buffers.view(view).map_err(|why| why.to_string())?;
-                    unpacked.primitive(primitive, &said["attributes"], view.index(), packed)
+                    new.unpack(primitive, &said["attributes"], view.index(), packed)
                 })
-                .map_err(|why| Trouble::Packed { mesh: m, primitive: p, why })?;
+                .map_err(|why| {
+                    Trouble::Packed(format!("{place} is packed by Draco, and cannot be had: {why}"))
+                })?;
         }
     }
-    let Unpacked { mut root, bytes, .. } = unpacked;
+    let Document { mut root, bytes, .. } = new;
     root.meshes = meshes;
     let byte_length = bytes.len().into();
     root.push(Buffer { byte_length, name: None, uri: None, extensions: None, extras: None });
@@ -93,7 +90,7 @@ fn said(primitive: &Primitive) -> Option<&Value> {
     primitive.extensions.as_ref()?.others.get(DRACO)
 }
 
-impl Unpacked {
+impl Document {
     /// Whether the positions of a primitive have no bytes, so that they would all be zeros.
     fn is_bare(&self, primitive: &Primitive) -> bool {
         let accessor = primitive.attributes.get(&Valid(Semantic::Positions));
@@ -102,7 +99,7 @@ impl Unpacked {
     }
 
     /// Has the accessors of a primitive read what a buffer view packs.
-    fn primitive(
+    fn unpack(
         &mut self,
         primitive: &mut Primitive,
         numbers: &Value,
@@ -113,43 +110,25 @@ impl Unpacked {
             return Err("it is not of triangles".to_owned());
         }
         if !self.streams.contains_key(&view) {
-            let mesh = Rc::new(self.unpack(packed)?);
-            self.streams.insert(view, mesh);
+            // What it takes to read counts, too: views may lie in the same bytes.
+            self.spend(Some(packed.len()))?;
+            self.streams.insert(view, Rc::new(unpacked(packed, self.left)?));
         }
         let mesh = self.streams[&view].clone();
         let indices = primitive.indices.as_mut().ok_or("it has no indices")?;
-        let read = self.accessor(view, None, *indices, &mesh);
-        *indices = read.map_err(|why| format!("its triangles {why}"))?;
+        *indices = self.accessor(view, None, *indices, &mesh)?;
         for (semantic, accessor) in &mut primitive.attributes {
             let name = semantic.to_string();
-            let Some(number) = numbers[&name].as_u64() else { continue };
-            let number = u32::try_from(number).map_err(|_| format!("it has no {name}"))?;
+            let Some(number) = numbers[&name].as_u64().and_then(|n| u32::try_from(n).ok()) else { continue };
             let read = self.accessor(view, Some(number), *accessor, &mesh);
-            *accessor = read.map_err(|why| format!("its {name} {why}"))?;
+            *accessor = read.map_err(|why| format!("{name}: {why}"))?;
         }
         if self.is_bare(primitive) { Err("it has no positions".to_owned()) } else { Ok(()) }
     }
 
-    fn unpack(&mut self, packed: &[u8]) -> Result<Mesh, String> {
-        // What it takes to read counts, too: views may lie in the same bytes.
-        self.spend(packed.len()).map_err(|why| format!("it {why}"))?;
-        let most = self.left as u64;
-        let limits = DecodeLimits::default()
-            .with_max_decoded_bytes(most)
-            .with_max_faces(most / TRIANGLE as u64)
-            .with_max_points(most);
-        let mut mesh = Mesh::new();
-        let unpacked =
-            MeshDecoder::new().decode(&mut DecoderBuffer::new(packed).with_limits(limits), &mut mesh);
-        unpacked.map_err(|why| match why.kind() {
-            ErrorKind::LimitExceeded | ErrorKind::AllocationExceedsInput => format!("it {TOO_MUCH}"),
-            _ => why.to_string(),
-        })?;
-        Ok(mesh)
-    }
-
-    fn spend(&mut self, bytes: usize) -> Result<(), &'static str> {
-        self.left = self.left.checked_sub(bytes).ok_or(TOO_MUCH)?;
+    fn spend(&mut self, bytes: Option<usize>) -> Result<(), &'static str> {
+        let left = bytes.and_then(|bytes| self.left.checked_sub(bytes));
+        self.left = left.ok_or("it unpacks to too much")?;
         Ok(())
     }
 
@@ -160,78 +139,43 @@ impl Unpacked {
         view: usize,
         number: Option<u32>,
         old: Index<Accessor>,
-        mesh: &Mesh,
+        mesh: &Unpacked,
     ) -> Result<Index<Accessor>, &'static str> {
         let key = (view, number, old.value());
         if let Some(known) = self.accessors.get(&key) {
             return Ok(*known);
         }
-        let mut new = self.root.get(old).cloned().ok_or("is not there")?;
-        let start = self.bytes.len();
-        let count = match number {
-            None => {
-                let corners = mesh.faces().as_flattened();
-                self.spend(corners.len() * INDEX)?;
-                self.bytes.extend(corners.iter().flat_map(|corner| corner.0.to_le_bytes()));
-                new.component_type = Valid(GenericComponentType(ComponentType::U32));
-                corners.len()
-            }
-            Some(number) => {
-                self.values(mesh, number, (new.component_type, new.type_))?;
-                mesh.num_points()
-            }
+        let mut new = self.root.get(old).cloned().ok_or("it has no accessor")?;
+        if number.is_none() {
+            (new.component_type, new.type_) =
+                (Valid(GenericComponentType(ComponentType::U32)), Valid(Type::Scalar));
+        }
+        let (Valid(GenericComponentType(component)), Valid(kind)) = (new.component_type, new.type_) else {
+            return Err("it has no type");
         };
-        let view = View {
+        let count = if number.is_none() { mesh.corners() } else { mesh.points() };
+        self.spend(count.checked_mul(component.size() * kind.multiplicity()))?;
+        let bytes = match number {
+            None => mesh.indices(),
+            Some(number) => mesh
+                .values(number, component.as_gl_enum(), kind.multiplicity())
+                .ok_or("it is not there, or of another type than its accessor")?,
+        };
+        let view = self.root.push(View {
             buffer: Index::new(self.root.buffers.len() as u32),
-            byte_length: (self.bytes.len() - start).into(),
-            byte_offset: Some(start.into()),
+            byte_length: bytes.len().into(),
+            byte_offset: Some(self.bytes.len().into()),
             byte_stride: None,
             name: None,
             target: None,
             extensions: None,
             extras: None,
-        };
-        (new.buffer_view, new.byte_offset, new.sparse) = (Some(self.root.push(view)), None, None);
+        });
+        self.bytes.extend(bytes);
+        (new.buffer_view, new.byte_offset, new.sparse) = (Some(view), None, None);
         new.count = count.into();
         let new = self.root.push(new);
         self.accessors.insert(key, new);
         Ok(new)
-    }
-
-    /// Adds the values of all points of a mesh.
-    fn values(
-        &mut self,
-        mesh: &Mesh,
-        number: u32,
-        kind: (Checked<GenericComponentType>, Checked<Type>),
-    ) -> Result<(), &'static str> {
-        let attribute = mesh.attribute_by_unique_id(number).ok_or("is not there")?;
-        let (Valid(GenericComponentType(component)), Valid(kind)) = kind else { return Err(OTHER) };
-        let is_so = data_type_of(component) == attribute.data_type()
-            && kind.multiplicity() == usize::from(attribute.num_components());
-        if !is_so {
-            return Err(OTHER);
-        }
-        let size = component.size() * kind.multiplicity();
-        self.spend(size.checked_mul(mesh.num_points()).ok_or(TOO_MUCH)?)?;
-        for point in 0..mesh.num_points() {
-            let value = attribute.mapped_index(PointIndex(point as u32)).0 as usize;
-            let start = value.checked_mul(size);
-            let value =
-                start.and_then(|start| attribute.buffer().data().get(start..start.checked_add(size)?));
-            self.bytes.extend_from_slice(value.ok_or("has points without values")?);
-        }
-        Ok(())
-    }
-}
-
-fn data_type_of(component: ComponentType) -> DataType {
-    match component {
-        ComponentType::I8 => DataType::Int8,
-        ComponentType::U8 => DataType::Uint8,
-        ComponentType::I16 => DataType::Int16,
-        ComponentType::U16 => DataType::Uint16,
-        ComponentType::U32 => DataType::Uint32,
-        ComponentType::F32 => DataType::Float32,
     }
 }

@@ -53,7 +53,7 @@ fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
 
 /// Has Draco pack the first mesh.
 fn packed() -> Vec<u8> {
-    let stream = include_bytes!("../../src/import/tests/torus.valence.drc");
+    let stream = include_bytes!("../../../draco/tests/torus.valence.drc");
     let (length, all) = (stream.len(), 72 + stream.len());
     let view = format!(r#""byteLength":3}},{{"buffer":0,"byteOffset":72,"byteLength":{length}}}]"#);
     let parts = [
