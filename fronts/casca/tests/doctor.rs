@@ -71,8 +71,11 @@ fn files_that_cannot_be_read_are_refused_with_what_to_do() {
     let folder = folder.path();
     let extensions = r#""extensionsUsed":["VENDOR_walls"],"extensionsRequired":["VENDOR_walls"],"#;
     let packed = r#"{"extensions":{"KHR_draco_mesh_compression":{"bufferView":99}},"attributes""#;
-    let damaged = level("", r#""extensionsRequired":["KHR_draco_mesh_compression"],"#)
-        .replacen(r#"{"attributes""#, packed, 1);
+    let damaged = level("", r#""extensionsRequired":["KHR_draco_mesh_compression"],"#).replacen(
+        r#"{"attributes""#,
+        packed,
+        1,
+    );
     for (file, name, advice) in [
         (level("", extensions), "VENDOR_walls", "export the level without them"),
         (damaged, "packed by Draco", "export it anew, or without compression"),
