@@ -49,7 +49,7 @@ fn memory_is_as_stated_and_queries_take_none_again() {
 
 /// Walks the same way twice.
 fn queries_take_no_memory_where_they_were_before() {
-    for kind in [SceneKind::Harbour, SceneKind::Town, SceneKind::Spheres, SceneKind::Valley] {
+    for kind in [SceneKind::Harbour, SceneKind::Town, SceneKind::Spheres, SceneKind::Leaves] {
         let options = PointOptions::new();
         let world = build(kind, &SceneOptions { frames: 40, ..SceneOptions::default() });
         let settled = Settled::new(&world, Method::Point(options)).unwrap();

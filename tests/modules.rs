@@ -40,10 +40,11 @@ const ROOTS: [&str; 21] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 32] = [
+const MOST: [(&str, usize); 33] = [
     ("src", 41600),
     ("tests", 11000),
     ("crates/cache", 400),
+    ("crates/draco", 250),
     ("crates/lab", 6250),
     ("crates/meshopt", 450),
     ("crates/scenes", 8250),

@@ -81,7 +81,7 @@ fn walks_lose_nothing() {
         (SceneKind::City, 0.5),
         (SceneKind::Rocks, 0.3),
         (SceneKind::Forest, 0.3),
-        (SceneKind::Terrain, 0.2),
+        (SceneKind::Leaves, 0.1),
         (SceneKind::Harbour, 0.2),
     ];
     for (kind, scale) in scenes {

@@ -62,7 +62,7 @@ fn the_named_options_find_ever_fewer_objects() {
         SceneKind::Spheres,
         SceneKind::City,
         SceneKind::Forest,
-        SceneKind::Terrain,
+        SceneKind::Leaves,
         SceneKind::Rocks,
         SceneKind::Harbour,
     ] {

@@ -14,7 +14,7 @@ fn walk(settled: &Settled, query: &mut Query, every: usize) -> usize {
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let name = words.first().map_or("terrain", String::as_str);
+    let name = words.first().map_or("leaves", String::as_str);
     let every = words.get(1).and_then(|w| w.parse().ok()).unwrap_or(10);
     let kind = name.parse().expect("the name of a scene");
     let world = build(kind, &SceneOptions { frames: 40, ..SceneOptions::default() });

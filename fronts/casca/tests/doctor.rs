@@ -69,12 +69,18 @@ fn what_hides_nothing_is_named_with_its_reason_and_nothing_visible_is_lost() {
 fn files_that_cannot_be_read_are_refused_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for (name, advice) in [
-        ("KHR_draco_mesh_compression", "export the level without that, or decompress it"),
-        ("VENDOR_walls", "export the level without them"),
+    let extensions = r#""extensionsUsed":["VENDOR_walls"],"extensionsRequired":["VENDOR_walls"],"#;
+    let packed = r#"{"extensions":{"KHR_draco_mesh_compression":{"bufferView":99}},"attributes""#;
+    let damaged = level("", r#""extensionsRequired":["KHR_draco_mesh_compression"],"#).replacen(
+        r#"{"attributes""#,
+        packed,
+        1,
+    );
+    for (file, name, advice) in [
+        (level("", extensions), "VENDOR_walls", "export the level without them"),
+        (damaged, "packed by Draco", "export it anew, or without compression"),
     ] {
-        let extensions = format!(r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"],"#);
-        std::fs::write(folder.join("level.gltf"), level("", &extensions)).unwrap();
+        std::fs::write(folder.join("level.gltf"), file).unwrap();
         let (code, said, errors) = doctor(folder, &["level.gltf"]);
         assert_eq!((code, said.as_str()), (Some(3), ""));
         assert!(errors.contains(name) && errors.contains(advice), "{errors}");

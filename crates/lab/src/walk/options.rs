@@ -30,9 +30,9 @@ pub enum MethodName {
     after_help = EXIT_CODES, allow_negative_numbers = true
 )]
 pub struct Options {
-    /// spheres, city, rooms, forest, crowd, terrain, town, rocks, valley, harbour,
-    /// voxels, leaves or a glTF 2.0 file (.glb): in one, surfaces hide that
-    /// are drawn opaque, from the side that is drawn
+    /// spheres, city, rooms, forest, crowd, town, rocks, harbour, voxels, leaves or a
+    /// glTF 2.0 file (.glb): in one, surfaces hide that are drawn opaque, from the side
+    /// that is drawn
     #[arg(long, default_value = "spheres")]
     pub scene: SceneName,
     /// How visibility is decided

@@ -1,17 +1,18 @@
-//! A wood on hills: trees of a trunk, branches and leaf quads around these, ferns of such quads, and
-//! small things. Nothing of it is closed, and all of it hides.
+//! A wood on rolling ground, one mesh: trees of a trunk, branches and leaf quads around these, ferns
+//! of such quads, and small things, seen from the height of a walker. Nothing but the small things is
+//! closed, and all of it hides.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
-use super::ground::{self, Ground, Places};
+use super::motion::{Path, Walk};
+use super::noise::Noise;
 use super::options::SceneOptions;
-use super::parts::{mesh, object, placed};
-use super::valley::{leaf, tube};
+use super::parts::{mesh, object, placed, prism};
 use crate::random::Dice;
-use crate::world::{Mesh, World};
+use crate::world::{Mesh, Object, World};
 
 const TREES: f32 = 1300.0;
 const FERNS: f32 = 900.0;
@@ -23,9 +24,116 @@ const LEAVES: usize = 22;
 const LARGEST: f32 = 1.2;
 /// No trunk is closer to the walk, and no fern.
 const OFF: (f32, f32) = (4.9, 2.0);
+const SIZE: f32 = 320.0;
+/// Squares along each side, of two triangles each.
+const SQUARES: usize = 160;
+const PITCH: f32 = SIZE / SQUARES as f32;
+/// Height of a walker's eyes.
+const EYE: f32 = 1.7;
+/// Metres between two places of a walk.
+const STRIDE: f32 = 0.5;
 
 const STOPS: [(f32, f32); 6] =
     [(290.0, 40.0), (220.0, 90.0), (240.0, 180.0), (130.0, 160.0), (90.0, 270.0), (30.0, 200.0)];
+
+/// Heights above corners of squares.
+struct Ground(Vec<f32>);
+
+impl Ground {
+    fn new(dice: &mut Dice) -> Self {
+        let noise = Noise::new(dice);
+        let side = SQUARES + 1;
+        let height = |i: usize| {
+            let p = Vec3::new((i % side) as f32, 0.0, (i / side) as f32) * PITCH;
+            let octave = |metres: f32, layer: f32| noise.at(p / metres + Vec3::Y * layer);
+            20.0 + 11.0 * octave(60.0, 0.0) + 3.0 * octave(23.0, 3.0) + 0.35 * octave(7.0, 6.0)
+        };
+        Self((0..side * side).map(height).collect())
+    }
+
+    /// Height of the triangles of the mesh at a place.
+    fn at(&self, x: f32, z: f32) -> f32 {
+        let (u, v) = ((x / PITCH).clamp(0.0, SQUARES as f32), (z / PITCH).clamp(0.0, SQUARES as f32));
+        let (i, j) = ((u as usize).min(SQUARES - 1), (v as usize).min(SQUARES - 1));
+        let (u, v) = (u - i as f32, v - j as f32);
+        let corner = |di: usize, dj: usize| self.0[(j + dj) * (SQUARES + 1) + i + di];
+        let (near, far) = (corner(0, 0), corner(1, 1));
+        // The diagonal goes from the least to the greatest corner.
+        if u > v {
+            near + (corner(1, 0) - near) * u + (far - corner(1, 0)) * v
+        } else {
+            near + (corner(0, 1) - near) * v + (far - corner(0, 1)) * u
+        }
+    }
+
+    fn mesh(&self) -> Mesh {
+        let side = SQUARES + 1;
+        let corner =
+            |(i, &y): (usize, &f32)| Vec3::new((i % side) as f32 * PITCH, y, (i / side) as f32 * PITCH);
+        let mut triangles = Vec::with_capacity(2 * SQUARES * SQUARES);
+        for square in 0..SQUARES * SQUARES {
+            let a = (square / SQUARES * side + square % SQUARES) as u32;
+            let (b, c, d) = (a + 1, a + side as u32, a + side as u32 + 1);
+            triangles.extend([[a, d, b], [a, c, d]]);
+        }
+        Mesh { positions: self.0.iter().enumerate().map(corner).collect(), triangles, ..Mesh::default() }
+    }
+
+    /// A walk over hills past places given by x and z, at the height of the eyes.
+    fn path(&self, stops: &[(f32, f32)]) -> Path {
+        let stops: Vec<Vec3> = stops.iter().map(|&(x, z)| Vec3::new(x, 0.0, z)).collect();
+        let flat = Path::new(&stops);
+        let mut eyes = flat.samples((flat.length() / STRIDE) as usize);
+        eyes.iter_mut().for_each(|p| p.y = self.at(p.x, p.z) + EYE);
+        Path::new(&eyes)
+    }
+}
+
+/// Where things may stand: on the ground, and off the path.
+struct Places {
+    ground: Ground,
+    path: Vec<Vec2>,
+}
+
+impl Places {
+    fn new(ground: Ground, path: &Path) -> Self {
+        let eyes = path.samples((path.length() / STRIDE) as usize);
+        Self { ground, path: eyes.iter().map(|eye| Vec2::new(eye.x, eye.z)).collect() }
+    }
+
+    /// A place farther than `margin` from the path and the border.
+    fn pick(&self, dice: &mut Dice, margin: f32) -> Vec3 {
+        loop {
+            let p = Vec2::new(dice.range(margin, SIZE - margin), dice.range(margin, SIZE - margin));
+            if self.path.iter().all(|s| s.distance(p) > margin) {
+                return Vec3::new(p.x, self.ground.at(p.x, p.y), p.y);
+            }
+        }
+    }
+}
+
+/// The side of a prism around the y axis, without caps.
+fn tube(sides: u32, radius: f32, low: f32, high: f32) -> Mesh {
+    let mut tube = prism(sides);
+    tube.triangles.retain(|t| t.iter().all(|&v| v < 2 * sides));
+    tube.positions.truncate(2 * sides as usize);
+    for p in &mut tube.positions {
+        *p = Vec3::new(p.x * radius, low + p.y * (high - low), p.z * radius);
+    }
+    tube
+}
+
+/// A leaf, or a twig of leaves: two triangles.
+fn leaf(dice: &mut Dice, middle: Vec3) -> Mesh {
+    let axis = dice.point(Vec3::NEG_ONE, Vec3::ONE).normalize_or(Vec3::Y);
+    let turn = Quat::from_axis_angle(axis, dice.range(0.0, TAU));
+    let (x, y) = (turn * Vec3::X * dice.range(0.25, 0.4), turn * Vec3::Y * dice.range(0.25, 0.4));
+    Mesh {
+        positions: [-x - y, x - y, x + y, y - x].map(|p| middle + p).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
 
 /// A tree of about 10 m with seven to ten branches that go outwards and up.
 fn tree(dice: &mut Dice) -> Mesh {
@@ -58,6 +166,19 @@ fn fern(dice: &mut Dice) -> Mesh {
     fern
 }
 
+fn small_things(dice: &mut Dice, places: &Places, count: usize, objects: &mut Vec<Object>) {
+    let (stone, crate_) = (
+        Arc::new(Mesh::ball(0)),
+        Arc::new(Mesh::cuboid(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5))),
+    );
+    for _ in 0..count {
+        let base = places.pick(dice, 2.0);
+        let (size, turn) = (dice.point(Vec3::splat(0.2), Vec3::splat(0.9)), dice.range(0.0, TAU));
+        let (name, model) = if dice.chance(0.5) { ("stone", &stone) } else { ("crate", &crate_) };
+        objects.push(object(name, placed(model, size, turn, base)));
+    }
+}
+
 pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 15);
     let ground = Ground::new(&mut dice);
@@ -72,13 +193,15 @@ pub(super) fn build(options: &SceneOptions) -> World {
             objects.push(object(name, placed(&models[i % MODELS], size, dice.range(0.0, TAU), base)));
         }
     }
-    ground::small_things(&mut dice, &places, (SMALL * options.scale) as usize, &mut objects);
-    ground::world("leaves", objects, path, options)
+    small_things(&mut dice, &places, (SMALL * options.scale) as usize, &mut objects);
+    let walk = Walk { far: 500.0, ..Walk::along(path, options) };
+    walk.through("leaves", objects, [Vec3::ZERO, Vec3::new(SIZE, 56.0, SIZE)], 2.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::world::Shape;
 
     #[test]
     fn trees_stay_off_the_walk_and_their_leaves_are_apart() {
@@ -87,6 +210,36 @@ mod tests {
             let reach = tree.positions.iter().map(|p| p.x.hypot(p.z)).fold(0.0, f32::max);
             assert!(reach * LARGEST < OFF.0 && !tree.is_closed(), "{reach} m");
             assert!(tree.triangles.len() > 2 * 7 * LEAVES);
+        }
+    }
+
+    #[test]
+    fn the_eye_is_at_a_walkers_height_and_things_stand_on_the_ground() {
+        let world = build(&SceneOptions::default());
+        let mut meshes = world.objects.iter().filter_map(|o| match &o.shape {
+            Shape::Mesh { mesh, transform } => Some((o.name.as_str(), mesh, transform.translation)),
+            _ => None,
+        });
+        let ground = Ground(meshes.next().unwrap().1.positions.iter().map(|p| p.y).collect());
+        let stand = ["crate", "tree", "fern"];
+        let bases: Vec<_> = meshes.filter(|(name, ..)| stand.contains(name)).map(|m| m.2).collect();
+        assert!(bases.len() > 100 && bases.iter().all(|b| (b.y - ground.at(b.x, b.z)).abs() < 1e-3));
+        for frame in 0..world.frames {
+            let eye = world.camera(frame, 1.5).eye;
+            let height = eye.y - ground.at(eye.x, eye.z);
+            assert!((height - EYE).abs() < 0.05, "frame {frame}: {height} m above the ground");
+            let off = bases.iter().map(|b| (eye.x - b.x).hypot(eye.z - b.z)).fold(f32::MAX, f32::min);
+            assert!(off > 1.9, "frame {frame}: {off} m off what stands there");
+        }
+    }
+
+    #[test]
+    fn the_ground_between_corners_is_that_of_the_mesh() {
+        let ground = Ground::new(&mut Dice::new(2, 6));
+        let mesh = ground.mesh();
+        for t in mesh.triangles.iter().step_by(97) {
+            let middle = t.map(|v| mesh.positions[v as usize]).iter().sum::<Vec3>() / 3.0;
+            assert!((ground.at(middle.x, middle.z) - middle.y).abs() < 1e-3);
         }
     }
 }

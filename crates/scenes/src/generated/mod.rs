@@ -5,7 +5,6 @@
 mod city;
 mod crowd;
 mod forest;
-mod ground;
 mod harbour;
 mod leaves;
 mod motion;
@@ -15,11 +14,9 @@ mod parts;
 mod rocks;
 mod rooms;
 mod spheres;
-mod terrain;
 #[cfg(test)]
 mod tests;
 mod town;
-mod valley;
 mod voxels;
 mod walking;
 
@@ -71,19 +68,15 @@ scenes! {
     Forest "forest" forest::build;
     /// 100,000 people behind walls.
     Crowd "crowd" crowd::build;
-    /// Rolling ground, one mesh, with trees, houses and small things.
-    Terrain "terrain" terrain::build;
     /// Buildings of panels that share no vertices, thin railings, 20,000 small things.
     Town "town" town::build;
     /// Boulders: closed meshes of high curvature.
     Rocks "rocks" rocks::build;
-    /// A wood of open cones and loose leaves on rolling ground.
-    Valley "valley" valley::build;
     /// Stacked containers, cranes of thin beams, a ship, 2,500 small things.
     Harbour "harbour" harbour::build;
     /// Hills and caves of blocks, in chunks of 16x16x256, with small things on floors.
     Voxels "voxels" voxels::build;
-    /// A wood of branches and leaf quads on hills.
+    /// A wood of branches and leaf quads on rolling ground, one mesh.
     Leaves "leaves" leaves::build;
 }
 

@@ -9,11 +9,6 @@ use crate::numeric::{SPEED_ROOM, SPEED_ROUNDING};
 use crate::random::Dice;
 use crate::world::{Animation, Camera, FRAME_SECONDS, GridHint, Motion, Object, Shape, Source, World};
 
-/// Seconds from the start of the path.
-pub(super) fn seconds(frame: usize) -> f32 {
-    (frame as f64 * FRAME_SECONDS) as f32
-}
-
 /// How an object moves.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Way {
@@ -165,7 +160,7 @@ impl Walk {
 
 impl Animation for Walk {
     fn shapes(&self, frame: usize, set: &mut dyn FnMut(usize, Shape)) {
-        let t = seconds(frame);
+        let t = (frame as f64 * FRAME_SECONDS) as f32;
         self.moving.iter().for_each(|m| set(m.index, m.shape(t)));
     }
 

@@ -44,16 +44,14 @@ pub(super) fn beside(eyes: &[Vec3], dice: &mut Dice, (size, ground): (f32, f32),
     }
 }
 
-/// Boxes by their least and greatest corners, as one mesh.
-pub(super) fn boxes(corners: impl IntoIterator<Item = (Vec3, Vec3)>) -> Mesh {
-    let mut all = Mesh::default();
-    corners.into_iter().for_each(|(min, max)| all.append(Mesh::cuboid(min, max)));
-    all
-}
-
 /// Beams along the three axes and other boxes, by their least corners and sizes, as one mesh.
 pub(super) fn beams(parts: &[([f32; 3], [f32; 3])]) -> Mesh {
-    boxes(parts.iter().map(|&(least, size)| (Vec3::from(least), Vec3::from(least) + Vec3::from(size))))
+    let mut all = Mesh::default();
+    for &(least, size) in parts {
+        let least = Vec3::from(least);
+        all.append(Mesh::cuboid(least, least + Vec3::from(size)));
+    }
+    all
 }
 
 /// A prism with this number of sides around the y axis, of radius 1 and from y = 0 to 1.
@@ -78,7 +76,7 @@ mod tests {
     #[test]
     fn models_are_closed() {
         assert!([6, 10].map(prism).iter().all(Mesh::is_closed));
-        let two = boxes([(Vec3::ZERO, Vec3::ONE), (Vec3::X, Vec3::new(2.0, 0.5, 0.5))]);
+        let two = beams(&[([0.0; 3], [1.0; 3]), ([1.0, 0.0, 0.0], [1.0, 0.5, 0.5])]);
         assert!(two.is_closed() && two.triangles.len() == 24);
     }
 }

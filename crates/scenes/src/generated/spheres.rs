@@ -115,9 +115,9 @@ pub(super) fn build(options: &SceneOptions) -> World {
         moving.push(Moving::last(&mut objects, Way::swing(&mut dice, reach, speed)));
     }
     let mut max = SIZE;
-    if options.bunker || options.hidden_extra > 0 {
+    if let Some(hidden) = options.bunker {
         max.x = 132.0;
-        bunker(&mut dice, options.hidden_extra, &mut objects, &mut moving);
+        bunker(&mut dice, hidden, &mut objects, &mut moving);
     }
     let mut min = Vec3::ZERO;
     if let Some(extra) = options.beyond_walls {

@@ -52,6 +52,12 @@ impl Buffers {
         all
     }
 
+    /// Adds a buffer that was packed.
+    pub(super) fn add(&mut self, unpacked: Vec<u8>) {
+        self.left.set(self.left.get().saturating_add(unpacked.len()));
+        self.bytes.push(Rc::new(unpacked));
+    }
+
     /// How many bytes there are.
     pub fn bytes(&self) -> usize {
         self.bytes.iter().map(|b| b.len()).fold(0, usize::saturating_add)

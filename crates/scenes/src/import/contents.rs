@@ -213,7 +213,7 @@ pub fn contents(name: &str, file: &File, warnings: &Warnings) -> Result<World, T
     let Found { mut objects, parts, moving, .. } = found;
     let mut animation = FilePath::new(nodes, moving, camera, frames, origin);
     let (min, max) = animation.settle(&mut objects, buffers.bytes(), warnings)?;
-    let (grid, frames) = (grid_of(min, max)?, animation.frames());
+    let (grid, frames) = (grid_of(min, max)?, animation.frames);
     let source = Source { warnings: warnings.lines(), origin, document: (*json).into(), parts };
     Ok(World { source, name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) })
 }

@@ -8,6 +8,7 @@ use serde_json::{Error, Map, Value, from_slice, from_value};
 use super::accessors::Buffers;
 use super::buffers::buffers_of;
 use super::container::chunks;
+use super::draco::{DRACO, unpack_primitives};
 use super::error::Trouble;
 use super::instances::INSTANCING;
 use super::mend::mend;
@@ -18,7 +19,8 @@ use super::warnings::Warnings;
 /// Coordinates may be integers.
 pub const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Extensions that a file may require.
-const UNDERSTOOD: [&str; 5] = [QUANTIZATION, INSTANCING, "KHR_animation_pointer", MESHOPT[0], MESHOPT[1]];
+const UNDERSTOOD: [&str; 6] =
+    [QUANTIZATION, INSTANCING, "KHR_animation_pointer", MESHOPT[0], MESHOPT[1], DRACO];
 /// What the names of extensions start with that change no geometry, only what it looks like.
 const COLOURS: [&str; 7] = [
     "KHR_materials_",
@@ -29,8 +31,6 @@ const COLOURS: [&str; 7] = [
     "EXT_lights_image_based",
     "KHR_xmp",
 ];
-/// Triangles that are packed.
-const DRACO: &str = "KHR_draco_mesh_compression";
 /// Faults of a file that are told one by one.
 const TOLD: usize = 3;
 
@@ -57,8 +57,8 @@ pub fn parse<'a>(bytes: &'a [u8], folder: Option<&Path>, warnings: &Warnings) ->
     let document = gltf::Document::from_json_without_validation(root_of(root)?);
     check_extensions(&document)?;
     check_rules(document.as_json())?;
-    check_packed(&document)?;
-    let buffers = unpack(&document, buffers_of(&document, binary.map(<[u8]>::to_vec), folder)?)?;
+    let mut buffers = unpack(&document, buffers_of(&document, binary.map(<[u8]>::to_vec), folder)?)?;
+    let document = unpack_primitives(document, &mut buffers, warnings)?;
     Ok(File { json, document, buffers, places })
 }
 
@@ -119,17 +119,6 @@ fn check_extensions(document: &gltf::Document) -> Result<(), Trouble> {
     }
     unknown.dedup();
     Err(Trouble::Extensions(unknown.join(", ")))
-}
-
-/// Refuses triangles that are packed: without their extension, they would all be zeros.
-fn check_packed(document: &gltf::Document) -> Result<(), Trouble> {
-    let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
-    let is_packed = |p: gltf::Primitive| {
-        let positions = p.get(&gltf::Semantic::Positions);
-        let bare = positions.is_some_and(|a| a.view().is_none() && a.sparse().is_none());
-        bare && p.extension_value(DRACO).is_some()
-    };
-    if primitives.any(is_packed) { Err(Trouble::Extensions(DRACO.to_owned())) } else { Ok(()) }
 }
 
 /// Validates a document, with the rules that the validation of the glTF crate leaves out but takes

@@ -56,6 +56,9 @@ pub enum Trouble {
     /// It requires extensions that are not read.
     #[error("requires extensions that are not read: {0}")]
     Extensions(String),
+    /// What Draco packs cannot be had: of which primitive, and why.
+    #[error("{0}; export it anew, or without compression")]
+    Packed(String),
     /// The corners of a primitive make no whole triangles.
     #[error("primitive {primitive} of mesh {mesh} has {corners} corners, which make no whole triangles")]
     Corners {

@@ -24,7 +24,8 @@
 //! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs, escaped or as
 //!   the file is called. Accessors may be sparse, need no box, and are zeros without a view. Views
 //!   that `EXT_meshopt_compression` or `KHR_meshopt_compression` packs, as gltfpack does, are unpacked
-//!   if their bytes are not there. `KHR_draco_mesh_compression` is not read.
+//!   if their bytes are not there, and triangles that `KHR_draco_mesh_compression` packs are so if
+//!   that is required, too: if not, the plain form is read where there is one, with a warning.
 //! - **Far from the origin**: a scene that lies farther than 100 times its size from the origin of
 //!   its file, such as in UTM, is moved to an origin of its own before numbers are rounded to
 //!   single precision: [`Source::origin`](crate::world::Source::origin) is what to add to
@@ -81,6 +82,7 @@ mod container;
 mod contents;
 mod deformed;
 mod document;
+mod draco;
 mod error;
 mod hides;
 mod instances;

@@ -118,7 +118,8 @@ pub(super) struct FilePath {
     camera: Option<FileCamera>,
     /// The walk where the file has no camera.
     walk: Walk,
-    frames: usize,
+    /// How long the path is.
+    pub(super) frames: usize,
 }
 
 pub(super) fn time_of(frame: usize) -> f32 {
@@ -219,11 +220,6 @@ impl FilePath {
         }
         let link_of = moving.iter().map(|moving| place[moving.node]).collect();
         Self { nodes, links, link_of, moving, camera, walk: Walk::default(), frames, origin }
-    }
-
-    /// How long the path is, in frames.
-    pub(super) fn frames(&self) -> usize {
-        self.frames
     }
 
     /// Where the nodes are that something moves with.

@@ -51,14 +51,33 @@ fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
     file
 }
 
-/// A file with a binary chunk, and one with the same bytes in its text.
+/// Has Draco pack the first mesh.
+fn packed() -> Vec<u8> {
+    let stream = include_bytes!("../../../draco/tests/torus.valence.drc");
+    let (length, all) = (stream.len(), 72 + stream.len());
+    let view = format!(r#""byteLength":3}},{{"buffer":0,"byteOffset":72,"byteLength":{length}}}]"#);
+    let parts = [
+        (r#""scene":0"#, r#""extensionsRequired":["KHR_draco_mesh_compression"],"scene":0"#),
+        (
+            r#""indices":4"#,
+            r#""indices":4,"extensions":{"KHR_draco_mesh_compression":{"bufferView":4,"attributes":{"POSITION":0}}}"#,
+        ),
+        (r#""byteLength":3}]"#, &view),
+        (r#""byteLength":72"#, &format!(r#""byteLength":{all}"#)),
+    ];
+    let json = parts.iter().fold(JSON.to_owned(), |json, (old, new)| json.replacen(old, new, 1));
+    glb(json.as_bytes(), &[&binary(), &stream[..]].concat())
+}
+
+/// A file with a binary chunk, one with the same bytes in its text, and one with a packed mesh.
 pub fn all() -> Vec<Vec<u8>> {
     let mut json = JSON.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
     let base64 =
         "AAAAAAAAAAAAAKDAAACAPwAAAAAAAKDAAAAAAAAAgD8AAKDAAAAAAAAAAEAAAAAAAAAAAAAAAAAAAABAAAAAAAAAAAAAAQI=";
     let uri = format!("\"buffers\":[{{\"byteLength\":71,\"uri\":\"data:;base64,{base64}\"}}]");
-    vec![glb(&json, &binary()), JSON.replace("\"buffers\":[{\"byteLength\":72}]", &uri).into_bytes()]
+    let text = JSON.replace("\"buffers\":[{\"byteLength\":72}]", &uri);
+    vec![glb(&json, &binary()), text.into_bytes(), packed()]
 }
 
 /// Sets the lengths of a file and its chunks right, wherever the text ends now.

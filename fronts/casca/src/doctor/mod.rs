@@ -37,8 +37,6 @@ const LEAST_HIDDEN: f64 = 0.05;
 const FEW: usize = 10;
 /// Views that are compared with exact visibility.
 const CHECKED: usize = 8;
-/// An extension that packs geometry.
-const PACKED: &str = "KHR_draco_mesh_compression";
 
 /// Says what of a level hides, what does not and why, and what culling saves in it
 ///
@@ -86,10 +84,6 @@ pub fn run(options: &Options) -> Result<Outcome, Failed> {
 /// A failure with what to do about it.
 fn advised(why: ImportError) -> Failed {
     match &why.why {
-        Trouble::Extensions(names) if names.contains(PACKED) => {
-            format!("{why}: the geometry is compressed; export the level without that, or decompress it")
-                .into()
-        }
         Trouble::Extensions(_) => format!("{why}: export the level without them").into(),
         _ => why.into(),
     }

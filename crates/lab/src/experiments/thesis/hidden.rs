@@ -37,8 +37,7 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
     let mut depth = Hzb::new(SCREEN.0, SCREEN.1);
     for (n, count) in COUNTS.into_iter().enumerate() {
         (lab.progress)(&format!("{count} hidden objects"));
-        let options =
-            SceneOptions { seed: lab.seed, bunker: true, hidden_extra: count, ..SceneOptions::default() };
+        let options = SceneOptions { seed: lab.seed, bunker: Some(count), ..SceneOptions::default() };
         let mut world = build(SceneKind::Spheres, &options);
         let camera = world.camera(world.frames / 2, ASPECT);
         let view = view_of(&camera)?;

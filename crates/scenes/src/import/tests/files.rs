@@ -42,39 +42,6 @@ fn what_the_parser_takes_for_granted_is_checked() {
 }
 
 #[test]
-fn deep_trees_need_no_deep_stack() {
-    // A chain of nodes, with the camera at its end.
-    let depth = 30_000;
-    let mut nodes = String::from(r#"{"camera":0,"children":[2]}"#);
-    for i in 3..depth {
-        nodes += &format!(r#",{{"children":[{i}]}}"#);
-    }
-    nodes += r#",{"mesh":0}"#;
-    let world = read_small_with(r#"{"camera":0}"#, &nodes).unwrap();
-    assert!(world.objects[1].motion != Motion::Static);
-}
-
-#[test]
-fn reads_the_real_scenes() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes");
-    for (file, objects, count) in [
-        ("sponza.glb", 339, 262_267),
-        ("sponza-parts.glb", 1444, 262_267),
-        ("kitchen-parts.glb", 757, 56_939),
-        ("cornell.glb", 8, 36),
-    ] {
-        let path = folder.join(file);
-        if !path.exists() {
-            println!("skipped: {file} is not here");
-            continue;
-        }
-        let world = load(&path).unwrap();
-        let found: usize = (0..world.objects.len()).map(|i| triangles(&world, i).len()).sum();
-        assert_eq!((world.objects.len(), found, world.frames), (objects, count, 300), "{file}");
-    }
-}
-
-#[test]
 fn buffers_come_from_data_uris() {
     use base64::Engine;
     let parts = triangle();

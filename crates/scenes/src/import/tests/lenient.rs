@@ -48,8 +48,6 @@ fn valid_files_of_other_programs_are_read() {
         parts.read(&ONE.replace(r#""POSITION":0"#, r#""POSITION":1"#)),
         &["not a valid", "accessors[1].componentType"],
     );
-    let packed = ONE.replace("{\"attr", r#"{"extensions":{"KHR_draco_mesh_compression":{}},"attr"#);
-    says(parts.read(&packed), &["requires extensions", "draco"]);
 }
 
 #[test]

@@ -9,6 +9,7 @@ use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 
 mod accessors;
 mod animation;
+mod draco;
 mod far;
 mod files;
 mod instances;
