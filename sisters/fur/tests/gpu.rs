@@ -6,7 +6,7 @@ use casca_fur::gpu::records::{Block, DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::mesh::{Coat, Mesh, Vertex};
-use casca_fur::skin::{Channel, Clip, Ending, Interpolation, Joint, Pose, Skeleton, Track, Weights};
+use casca_fur::skin::{Channel, Clip, Interpolation, Joint, Pose, Skeleton, Track, Weights};
 use casca_fur::strands::{Fur, Lean};
 use casca_scenes::world;
 use casca_stage::canvas::Canvas;
@@ -87,7 +87,7 @@ fn turned(turn: Quat) -> (Skeleton, Pose) {
     let track = Track::new(vec![0.0], vec![turn], Interpolation::Step).unwrap();
     let clip = Clip::new(vec![(1, Channel::Rotation(track))], &skeleton).unwrap();
     let mut pose = Pose::rest(&skeleton);
-    pose.set(&skeleton, &clip, 0.0, Ending::Loop);
+    pose.set(&skeleton, &clip, 0.0);
     (skeleton, pose)
 }
 
@@ -204,7 +204,7 @@ fn absurd_lists_looks_weights_and_poses_neither_panic_nor_end_the_device() {
     let flat = Track::new(vec![0.0], vec![Vec3::ZERO], Interpolation::Step).unwrap();
     let clip = Clip::new(vec![(0, Channel::Scale(flat))], &skeleton).unwrap();
     let mut pose = Pose::rest(&skeleton);
-    pose.set(&skeleton, &clip, 0.0, Ending::Loop);
+    pose.set(&skeleton, &clip, 0.0);
     list.pose(0, &pose).unwrap();
     shoot(&gpu, &mut renderer, 96, &camera, &list);
     assert!(list.lean(1, Lean::default()).is_err() && list.pose(1, &Pose::default()).is_err());

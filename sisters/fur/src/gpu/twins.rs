@@ -11,7 +11,7 @@ use crate::gpu::records::rows_of;
 use crate::samples::{ball, dice};
 use crate::shader::{LOOKUP, SLAB, STRANDS};
 use crate::shading::kajiya_kay;
-use crate::skin::{Channel, Clip, Ending, Interpolation, Joint, Pose, Skeleton, Track, Weights};
+use crate::skin::{Channel, Clip, Interpolation, Joint, Pose, Skeleton, Track, Weights};
 use crate::strands::{Fur, Lean, Root, hash, roots, unit};
 
 /// The bytes that `threads` threads of an entry of a shader, in groups of 64, write into a buffer of
@@ -248,7 +248,7 @@ fn shaders_place_vertices_where_the_processor_does() {
     });
     let clip = Clip::new(channels.collect(), &skeleton).unwrap();
     let mut pose = Pose::rest(&skeleton);
-    pose.set(&skeleton, &clip, 0.0, Ending::Loop);
+    pose.set(&skeleton, &clip, 0.0);
     let vertices = 2000;
     let of: Vec<[u32; 4]> = (0..vertices).map(|_| [0; 4].map(|_| (6.0 * random.next()) as u32)).collect();
     let shares: Vec<[f32; 4]> = (0..vertices).map(|_| [0; 4].map(|_| random.next() as f32)).collect();

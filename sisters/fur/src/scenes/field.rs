@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use crate::error::{Error, range};
-use crate::skin::{Ending, Pose};
+use crate::skin::Pose;
 use crate::strands::{Forces, Fur, Lean};
 use crate::visibility::{furry_object, inner_ball};
 use casca::{Aabb, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
@@ -215,7 +215,7 @@ impl Field {
             resident.placement = placement * onto_ground(kind);
             let rig = kind.rig();
             let seconds = resident.walk.rounds(time, rig.stride) * f64::from(rig.walk.seconds());
-            pose.set(&rig.skeleton, &rig.walk, seconds, Ending::Loop);
+            pose.set(&rig.skeleton, &rig.walk, seconds);
             resident.lean = self.forces.lean(velocity, acceleration)?;
             let bounds = rig.bounds.posed(pose, &fur);
             self.scene.set_transform(resident.id, resident.placement).map_err(failed)?;

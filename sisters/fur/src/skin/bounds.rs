@@ -88,7 +88,7 @@ mod tests {
 
     use super::*;
     use crate::samples::{Dice, ball, dice, torus_mesh};
-    use crate::skin::{Channel, Clip, Ending, Interpolation, Joint, Local, Skeleton, Track};
+    use crate::skin::{Channel, Clip, Interpolation, Joint, Local, Skeleton, Track};
 
     fn turned(random: &mut Dice) -> Quat {
         Quat::from_axis_angle(random.direction(), (random.next() * 6.3) as f32)
@@ -149,7 +149,7 @@ mod tests {
             let bounds = SkinBounds::new(&mesh, &weights).unwrap();
             let mut pose = Pose::rest(&skeleton);
             for _ in 0..4 {
-                pose.set(&skeleton, &clip, random.next(), Ending::Loop);
+                pose.set(&skeleton, &clip, random.next());
                 let posed = bounds.posed(&pose, &fur);
                 let at = |v: usize, h: f32| {
                     let vertex = &mesh.vertices()[v];
