@@ -1,5 +1,5 @@
 //! What casca-fur does otherwise than the thesis that it comes from (B. P. Evangelista, UFMG 2009):
-//! its fur maps, its lookups and its normals, in numbers. `fur_thesis [MAP.ppm]` also writes a map.
+//! its fur maps, its lookups and its normals, in numbers.
 
 use std::collections::HashSet;
 use std::error::Error;
@@ -82,11 +82,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("a fur map with {name} free neighbours holds {:.3} of 0.5", fur_map(0.5, taken).1);
     }
     let (hairs, _) = fur_map(0.2, &[]);
-    if let Some(path) = std::env::args_os().nth(1) {
-        let mut file = format!("P6\n{SIDE} {SIDE}\n255\n").into_bytes();
-        file.extend(hairs.iter().flat_map(|&hair| [if hair { 255 } else { 0 }; 3]));
-        std::fs::write(path, file)?;
-    }
 
     // The thesis looks fur up in the direction normal + position: some places have none.
     let soup = torus(3.0, 1.0, 24, 8);
