@@ -257,30 +257,13 @@ pub struct Settings {
     pub lamp_rays: u32,
     /// Shadow rays to each light with a size, 1 to 4096.
     pub light_rays: u32,
-    /// Means over neighbouring states after [`Cache::converge`](crate::Cache::converge), 0 to 4096: see
-    /// [`Cache::smooth`](crate::Cache::smooth). With 0 answers are as rays found them.
-    pub smooth: u32,
-    /// Threads that send rays, 1 to 4096. Results do not depend on them.
-    pub threads: u32,
-    /// Another number turns all directions.
-    pub seed: u32,
 }
 
 impl Settings {
-    /// No windows, 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, 8 of
-    /// lights, two means, and one thread.
+    /// No windows, 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, and 8 of
+    /// lights.
     pub const fn new(grid: Grid) -> Self {
-        Self {
-            grid,
-            windows: [None; 2],
-            answer_rays: 64,
-            lamp_points: 512,
-            lamp_rays: 32,
-            light_rays: 8,
-            smooth: 2,
-            threads: 1,
-            seed: 0,
-        }
+        Self { grid, windows: [None; 2], answer_rays: 64, lamp_points: 512, lamp_rays: 32, light_rays: 8 }
     }
 
     pub(crate) fn check(&self) -> Result<(), LightError> {
@@ -291,9 +274,6 @@ impl Settings {
             ("lamp_points", self.lamp_points),
             ("lamp_rays", self.lamp_rays),
             ("light_rays", self.light_rays),
-            ("threads", self.threads),
-            // None is as good as one.
-            ("smooth", self.smooth.max(1)),
         ];
         counts.into_iter().try_for_each(|(what, value)| some_rays(what, value))
     }
