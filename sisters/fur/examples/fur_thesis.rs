@@ -5,9 +5,9 @@ use std::collections::HashSet;
 use std::error::Error;
 
 use casca_fur::mesh::{Vertex, continuous_normals, weld};
+use casca_scenes::random::generator;
 use glam::Vec3;
-use rand::{SeedableRng, seq::SliceRandom};
-use rand_pcg::Pcg64Mcg;
+use rand::seq::SliceRandom;
 
 const SIDE: i32 = 256;
 /// Two unit vectors whose sum is shorter than this are opposite, but for rounding: the sum has no
@@ -19,7 +19,7 @@ const OPPOSITE: f32 = 1e-6;
 /// order: the loop of the thesis tries for ever where the neighbours of hairs leave no room.
 fn fur_map(density: f64, taken: &[(i32, i32)]) -> (Vec<bool>, f64) {
     let mut order: Vec<i32> = (0..SIDE * SIDE).collect();
-    order.shuffle(&mut Pcg64Mcg::seed_from_u64(3));
+    order.shuffle(&mut generator(3, 0));
     let (mut hairs, mut count) = (vec![false; (SIDE * SIDE) as usize], 0);
     for at in order {
         let beside = |&(dx, dy): &(i32, i32)| {

@@ -1,6 +1,7 @@
 //! The functions of shaders, run alone, against the processor's: strands and light point by point,
 //! rays along their way, skinning and leaning vertex by vertex.
 
+use casca_scenes::random::Dice;
 use casca_stage::gpu::Gpu;
 use casca_stage::kernel::{Bound, Kernel, among, filled};
 use casca_stage::wgpu::{self, BufferUsages};
@@ -8,7 +9,7 @@ use glam::{Mat3, Quat, Vec3, Vec4};
 
 use crate::gpu::look::Look;
 use crate::gpu::records::rows_of;
-use crate::samples::{ball, dice};
+use crate::samples::ball;
 use crate::shader::{LOOKUP, SLAB, STRANDS};
 use crate::shading::kajiya_kay;
 use crate::skin::{Channel, Clip, Interpolation, Joint, Pose, Skeleton, Track, Weights};
@@ -190,7 +191,7 @@ const STEP: f32 = 0.01;
 #[test]
 fn rays_meet_the_strand_in_which_their_points_first_lie() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    let mesh = ball(48);
+    let mesh = ball(5);
     for (bend, density) in [(Vec3::ZERO, 0.25), (Vec3::new(0.4, -0.7, 0.1), 0.5)] {
         let fur = Fur { bend, seed: 4, ..Fur::for_radius(1.0, 0.06, density).unwrap() };
         let roots = roots(&mesh, &fur).unwrap();
@@ -235,12 +236,12 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
 #[test]
 fn shaders_place_vertices_where_the_processor_does() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    let mut random = dice(21);
-    let joints = (0..6).map(|i: usize| Joint::at(i.checked_sub(1), random.point())).collect();
+    let mut random = Dice::new(21, 0);
+    let joints = (0..6).map(|i: usize| Joint::at(i.checked_sub(1), random.ball())).collect();
     let skeleton = Skeleton::new(joints).unwrap();
     let channels = (0..6).flat_map(|joint| {
-        let turn = Quat::from_axis_angle(random.direction(), (3.0 * random.next()) as f32);
-        let (size, how) = (Vec3::ONE + random.point() * 0.4, Interpolation::Step);
+        let turn = Quat::from_axis_angle(random.ball().normalize(), random.range(0.0, 3.0));
+        let (size, how) = (Vec3::ONE + random.ball() * 0.4, Interpolation::Step);
         [
             (joint, Channel::Rotation(Track::new(vec![0.0], vec![turn], how).unwrap())),
             (joint, Channel::Scale(Track::new(vec![0.0], vec![size], how).unwrap())),
@@ -250,16 +251,16 @@ fn shaders_place_vertices_where_the_processor_does() {
     let mut pose = Pose::rest(&skeleton);
     pose.set(&skeleton, &clip, 0.0);
     let vertices = 2000;
-    let of: Vec<[u32; 4]> = (0..vertices).map(|_| [0; 4].map(|_| (6.0 * random.next()) as u32)).collect();
-    let shares: Vec<[f32; 4]> = (0..vertices).map(|_| [0; 4].map(|_| random.next() as f32)).collect();
+    let of: Vec<[u32; 4]> = (0..vertices).map(|_| [0; 4].map(|_| random.range(0.0, 6.0) as u32)).collect();
+    let shares: Vec<[f32; 4]> = (0..vertices).map(|_| [0; 4].map(|_| random.range(0.0, 1.0))).collect();
     let weights = Weights::new(&of, &shares, &skeleton).unwrap();
     let leans: Vec<Lean> = (0..vertices)
         .map(|i| Lean {
-            towards: random.point() * 3.0,
-            most: if i % 5 == 0 { 0.0 } else { 2.0 * random.next() as f32 },
+            towards: random.ball() * 3.0,
+            most: if i % 5 == 0 { 0.0 } else { 2.0 * random.range(0.0, 1.0) },
         })
         .collect();
-    let ways: Vec<Vec3> = (0..vertices).map(|_| random.point() * 2.0).collect();
+    let ways: Vec<Vec3> = (0..vertices).map(|_| random.ball() * 2.0).collect();
     let given: Vec<[u32; 16]> = (0..vertices)
         .map(|v| {
             let lean = leans[v].towards.extend(leans[v].most);

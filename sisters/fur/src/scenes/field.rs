@@ -7,9 +7,9 @@ use crate::skin::Pose;
 use crate::strands::{Forces, Fur, Lean};
 use crate::visibility::{furry_object, inner_ball};
 use casca::{Aabb, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
+use casca_scenes::random::generator;
 use glam::{Affine3A, Quat, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 use crate::scenes::animals::Animal;
 
@@ -129,7 +129,7 @@ impl Field {
         range("the number of species", species as f64, 1.0, MOST_SPECIES as f64)?;
         let kind = |i: usize| Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL);
         let species = (0..species).map(kind).collect::<Result<Vec<Animal>, Error>>()?;
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut random = generator(seed, 0);
         let ball = |kind: &Animal| match forces {
             Some(_) => Ok(None),
             None => inner_ball(&kind.levels().iter().collect::<Vec<_>>()),

@@ -135,7 +135,7 @@ fn fit(wishes: &[Wish], budget: f64) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::dice;
+    use casca_scenes::random::Dice;
 
     /// A picture of 1280 x 720 pixels with a vertical angle of 60 degrees, and no budget.
     fn usual() -> PlanOptions {
@@ -181,14 +181,14 @@ mod tests {
 
     #[test]
     fn budgets_take_layers_by_the_same_factor_and_leave_one_each_while_they_can() {
-        let (sights, mut random) = (list(300), dice(8));
+        let (sights, mut random) = (list(300), Dice::new(8, 0));
         let free = plan_layers(&sights, &usual()).unwrap();
         assert!(free.is_sorted_by(|a, b| a >= b) && (free[0], free[299]) == (32, 0), "{free:?}");
         let all = weight(&sights, free.clone());
         let one_each = weight(&sights, free.iter().map(|n| *n.min(&1)));
         let bases = weight(&sights, vec![0; 300]);
         for step in 0..60 {
-            let budget = all * (f64::from(step) / 50.0 + 0.01 * random.next());
+            let budget = all * (f64::from(step) / 50.0 + 0.01 * f64::from(random.range(0.0, 1.0)));
             let options = PlanOptions { budget, ..usual() };
             let plan = plan_layers(&sights, &options).unwrap();
             let used = weight(&sights, plan.clone());
