@@ -285,8 +285,9 @@ impl Scene {
             numbers("the albedo of material", index, m.albedo, 0.0..=1.0)?;
             bright("the emission of material", index, m.emission)?;
             let count = self.textures.len();
-            if let Some(texture) = m.texture.filter(|t| *t as usize >= count) {
-                return Err(LightError::Texture { material: index, texture, count });
+            if let Some(number) = m.texture.map(|t| t as usize).filter(|t| *t >= count) {
+                let of = format!("material {index}");
+                return Err(LightError::Missing { of, what: "texture", number, count });
             }
         }
         for (object, o) in self.objects.iter().enumerate() {
@@ -302,8 +303,9 @@ impl Object {
         match self.triangles.iter().position(|t| t.material as usize >= count) {
             None => Ok(()),
             Some(triangle) => {
-                let material = self.triangles[triangle].material;
-                Err(LightError::Material { object, triangle, material, count })
+                let number = self.triangles[triangle].material as usize;
+                let of = format!("triangle {triangle} of object {object}");
+                Err(LightError::Missing { of, what: "material", number, count })
             }
         }
     }

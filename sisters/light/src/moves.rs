@@ -113,7 +113,8 @@ impl Cache {
         let count = self.objects.len();
         for (object, new) in &new {
             if *object >= count {
-                return Err(LightError::Object { object: *object, count });
+                let of = "a change".to_owned();
+                return Err(LightError::Missing { of, what: "object", number: *object, count });
             }
             new.check(*object, self.materials.len())?;
         }
