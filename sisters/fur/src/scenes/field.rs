@@ -264,11 +264,6 @@ impl Field {
         })
     }
 
-    /// The height of an animal's fur in world units.
-    pub fn fur_height(&self, animal: usize) -> f32 {
-        self.animals.get(animal).map_or(0.0, |resident| self.fur.height * resident.walk.scale)
-    }
-
     /// An eye on a path through the field and the direction in which it looks, for a share of the
     /// path, 0 to 1.
     pub fn eye(&self, share: f32) -> (Vec3, Vec3) {

@@ -10,6 +10,7 @@ use casca_fur::scenes::sample::character_glb;
 use casca_fur::skin::Pose;
 use casca_fur::visibility::inner_ball;
 use casca_scenes::import::Trouble;
+use casca_scenes::random::Dice;
 use glam::Vec3;
 
 const DETAIL: u32 = 64;
@@ -202,14 +203,13 @@ fn damaged_characters_are_read_or_refused() {
     for damaged in [&huge, &none] {
         assert!(refuse(damaged).unwrap().contains("image 0"));
     }
-    let mut random = 1u64;
+    let mut random = Dice::new(1, 0);
     let (mut read, mut refused) = (0, 0);
     for _ in 0..300 {
         let mut damaged = whole.clone();
         for _ in 0..3 {
-            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let at = (random >> 33) as usize % damaged.len();
-            damaged[at] ^= 1 << (random % 8);
+            let at = random.range(0.0, damaged.len() as f32) as usize;
+            damaged[at] ^= 1 << random.range(0.0, 8.0) as u32;
         }
         match read_coated(&damaged, None) {
             Ok(coated) => {
