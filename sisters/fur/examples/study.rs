@@ -7,7 +7,6 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::look::{Look, sky_pixel};
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
@@ -63,8 +62,8 @@ fn errors(want: &[u8], got: &[u8]) -> [f64; 2] {
 }
 
 /// A renderer for a furry animal at a level of detail.
-fn grown(gpu: &Gpu, mesh: &Mesh, fur: Fur) -> Result<Renderer, FurGpuError> {
-    Renderer::new(gpu, COLOUR, std::slice::from_ref(mesh), &Look::new(fur))
+fn grown(gpu: &Gpu, mesh: &Mesh, fur: Fur) -> Result<Renderer, Box<dyn Error>> {
+    Ok(Renderer::new(gpu, COLOUR, std::slice::from_ref(mesh), &Look::new(fur))?)
 }
 
 /// The animal in the colours of its mesh, times those of roots and tips, with so many layers.

@@ -92,9 +92,8 @@ fn the_coarsest_level_keeps_eyes_and_markings() {
             let by_shape = coated(finest, Vec::new()).levels(LEVELS).unwrap();
             for (number, mesh) in levels.iter().enumerate().skip(1) {
                 let count = mesh.triangles().len();
-                let shape = &by_shape[number];
-                let known = shape.vertices().iter().map(|v| coats[&place(v.position)]).collect();
-                let plain = coated(shape, known);
+                let known = by_shape[number].vertices().iter().map(|v| coats[&place(v.position)]).collect();
+                let plain = coated(&by_shape[number], known);
                 let (bare, color) = kept(finest, mesh);
                 let (plain_bald, plain_color) = kept(finest, &plain);
                 println!(
