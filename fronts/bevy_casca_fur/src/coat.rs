@@ -49,7 +49,7 @@ pub struct FurSettings {
     /// The most layers of a coat, at most 256; 0 for no fur at all. 24 by default.
     pub most_layers: u32,
     /// The greatest sum of the weights of all visible furry entities: for the skin and for each
-    /// layer its vertices and its pixels ([`casca_fur::visibility::plan_sights`]). Infinite by
+    /// layer its vertices and its pixels ([`casca_fur::visibility::plan_layers`]). Infinite by
     /// default. A budget that is negative or NaN counts as none, with a warning.
     pub budget: f64,
     /// The weight of a pixel, where a vertex weighs 1. Finite and at least 0.

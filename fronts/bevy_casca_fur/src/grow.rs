@@ -19,7 +19,7 @@ use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::MeshMaterial3d;
 use bevy_transform::components::GlobalTransform;
 use casca_fur::strands::Fur;
-use casca_fur::visibility::{PlanOptions, Sight, plan_sights};
+use casca_fur::visibility::{PlanOptions, Sight, plan_layers};
 
 use crate::coat::{Coat, FurSettings, Made};
 use crate::material::FurMaterial;
@@ -90,7 +90,7 @@ struct Wish {
     most: u32,
     /// Whether its layers are planned anew: it was seen in the last frame, has none, or is new.
     planned: bool,
-    vertices: [u32; 1],
+    vertices: u32,
     /// The height of the fur in the world.
     height: f32,
     /// The pixels of a world unit there, and of its diameter.
@@ -183,7 +183,7 @@ fn wish(
         made,
         most: skin.most_layers,
         planned: wakes && !eyes.is_empty(),
-        vertices: [skin.vertices],
+        vertices: skin.vertices,
         height: fur.height * ball.scale,
         sizes: ball.seen_by(eyes),
         layers: coat.map_or(1, |coat| coat.layers),
@@ -207,20 +207,18 @@ fn plan(wishes: &mut [Wish], settings: &FurSettings, eyes: &[Eye]) {
         b.sizes.0.total_cmp(&a.sizes.0).then(a.animal.cmp(&b.animal))
     });
     let sight = |i: &usize| Sight {
-        vertices: &wishes[*i].vertices,
+        vertices: wishes[*i].vertices,
         height: wishes[*i].height,
         distance: 1.0 / wishes[*i].sizes.0,
         size: wishes[*i].sizes.1,
-        fraction: 1.0,
     };
     let sights: Vec<Sight> = planned.iter().map(sight).collect();
-    let shares = plan_sights(&sights, &options).or_else(|why| {
+    let layers = plan_layers(&sights, &options).or_else(|why| {
         warn_once!("FurSettings are ignored: {why}");
         (options.budget, options.pixel_weight) = (f64::INFINITY, 1.0);
-        plan_sights(&sights, &options)
+        plan_layers(&sights, &options)
     });
-    let layers: Vec<u32> = shares.unwrap_or_default().iter().map(|share| share.layers).collect();
-    for (i, layers) in planned.into_iter().zip(layers) {
+    for (i, layers) in planned.into_iter().zip(layers.unwrap_or_default()) {
         let wish = &mut wishes[i];
         wish.layers = rung(layers.min(wish.most), wish.most.min(settings.most_layers), options.budget);
         wish.made.layers = if wish.layers > 0 { wish.layers } else { wish.made.layers };

@@ -19,7 +19,7 @@ pub use casca_fur;
 pub use coat::{Coat, FurSettings, Furry};
 pub use material::{FurExtension, FurMaterial, fur_material};
 pub use plugin::{FurPlugin, FurSystems};
-pub use shells::{ATTRIBUTE_FUR_LAYER, ATTRIBUTE_FUR_LENGTH, Unfit, shells};
+pub use shells::{ATTRIBUTE_FUR_LAYER, ATTRIBUTE_FUR_LENGTH};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -7,7 +7,6 @@ use bevy_camera::primitives::Aabb;
 use bevy_math::Vec3;
 use bevy_mesh::skinning::SkinnedMeshBounds;
 use bevy_mesh::{Indices, Mesh, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
-use thiserror::Error;
 
 use crate::numeric::{MOST_TRIANGLES, MOST_VERTICES, NO_NORMAL};
 
@@ -20,37 +19,12 @@ pub const ATTRIBUTE_FUR_LENGTH: MeshVertexAttribute =
 pub const ATTRIBUTE_FUR_LAYER: MeshVertexAttribute =
     MeshVertexAttribute::new("Fur_Layer", 0x6361_7363_6166_7573, VertexFormat::Float32x3);
 
-/// Why a mesh gets no fur.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum Unfit {
-    /// The processor has no copy of it: its `asset_usage` is `RENDER_WORLD` alone.
-    #[error("only the graphics processor has a copy of the mesh")]
-    Unreadable,
-    /// Its triangles are no list.
-    #[error("the mesh is no triangle list")]
-    Topology,
-    /// It has no positions, or they are not three floats.
-    #[error("the mesh has no positions of three floats")]
-    Positions,
-    /// It has no normals for all vertices, or they are not three floats.
-    #[error("the mesh has no normals of three floats for its vertices")]
-    Normals,
-    /// Lengths are not one float for each vertex.
-    #[error("the lengths of the coat are not a float for each vertex")]
-    Lengths,
-    /// A position, normal or length is infinite or NaN.
-    #[error("the mesh has numbers that are not finite")]
-    NotFinite,
-    /// An index beyond the last vertex.
-    #[error("a triangle of the mesh has a vertex that is not there")]
-    Indices,
-    /// No vertices, or no triangles.
-    #[error("the mesh has no triangles")]
-    Empty,
-    /// A single layer has more vertices than 4,194,304 or more triangles than 16,777,216.
-    #[error("the mesh is too large for fur")]
-    TooLarge,
-}
+/// Said of meshes that only the graphics processor has.
+const UNREADABLE: &str = "only the graphics processor has a copy of the mesh";
+/// Said of meshes without normals that can be used.
+const NORMALS: &str = "the mesh has no normals of three floats for its vertices";
+const EMPTY: &str = "the mesh has no triangles";
+const LARGE: &str = "the mesh is too large for fur";
 
 /// A mesh for coats, checked.
 #[derive(Debug, Clone)]
@@ -65,33 +39,34 @@ pub(crate) struct Skin {
 }
 
 impl Skin {
-    /// Checks a mesh.
-    pub fn of(mesh: &Mesh) -> Result<Self, Unfit> {
+    /// Checks a mesh, or says why it gets no fur.
+    pub fn of(mesh: &Mesh) -> Result<Self, &'static str> {
         if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-            return Err(Unfit::Topology);
+            return Err("the mesh is no triangle list");
         }
         if mesh.try_attributes().is_err() {
-            return Err(Unfit::Unreadable);
+            return Err(UNREADABLE);
         }
-        let positions = floats(mesh, Mesh::ATTRIBUTE_POSITION).ok_or(Unfit::Positions)?;
-        let normals = floats(mesh, Mesh::ATTRIBUTE_NORMAL).ok_or(Unfit::Normals)?;
+        let positions =
+            floats(mesh, Mesh::ATTRIBUTE_POSITION).ok_or("the mesh has no positions of three floats")?;
+        let normals = floats(mesh, Mesh::ATTRIBUTE_NORMAL).ok_or(NORMALS)?;
         if positions.is_empty() {
-            return Err(Unfit::Empty);
+            return Err(EMPTY);
         }
         if normals.len() != positions.len() {
-            return Err(Unfit::Normals);
+            return Err(NORMALS);
         }
         let finite = |values: &[[f32; 3]]| values.iter().flatten().all(|v| v.is_finite());
         let lengths = lengths(mesh, positions.len())?;
         if !finite(positions) || !finite(normals) || !lengths.is_none_or(|l| l.iter().all(|v| v.is_finite()))
         {
-            return Err(Unfit::NotFinite);
+            return Err("the mesh has numbers that are not finite");
         }
         let indices = indices_of(mesh, positions.len())?;
         let (vertices, triangles) = (positions.len(), indices.len() / 3);
         let most = (MOST_VERTICES / vertices).min(MOST_TRIANGLES / triangles);
         if most == 0 {
-            return Err(Unfit::TooLarge);
+            return Err(LARGE);
         }
         let corners = positions.iter().map(|&p| Vec3::from_array(p));
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -119,44 +94,37 @@ fn floats(mesh: &Mesh, attribute: MeshVertexAttribute) -> Option<&[[f32; 3]]> {
 }
 
 /// The lengths of the coat, if the mesh has some.
-fn lengths(mesh: &Mesh, vertices: usize) -> Result<Option<&[f32]>, Unfit> {
-    match mesh.try_attribute_option(ATTRIBUTE_FUR_LENGTH).map_err(|_| Unfit::Unreadable)? {
+fn lengths(mesh: &Mesh, vertices: usize) -> Result<Option<&[f32]>, &'static str> {
+    match mesh.try_attribute_option(ATTRIBUTE_FUR_LENGTH).map_err(|_| UNREADABLE)? {
         None => Ok(None),
         Some(VertexAttributeValues::Float32(values)) if values.len() == vertices => Ok(Some(values)),
-        Some(_) => Err(Unfit::Lengths),
+        Some(_) => Err("the lengths of the coat are not a float for each vertex"),
     }
 }
 
 /// Whole triangles, as 32-bit indices; without indices three vertices are one.
-fn indices_of(mesh: &Mesh, vertices: usize) -> Result<Arc<[u32]>, Unfit> {
-    let count = u32::try_from(vertices).map_err(|_| Unfit::TooLarge)?;
-    let mut all: Vec<u32> = match mesh.try_indices_option().map_err(|_| Unfit::Unreadable)? {
+fn indices_of(mesh: &Mesh, vertices: usize) -> Result<Arc<[u32]>, &'static str> {
+    let count = u32::try_from(vertices).map_err(|_| LARGE)?;
+    let mut all: Vec<u32> = match mesh.try_indices_option().map_err(|_| UNREADABLE)? {
         Some(Indices::U16(indices)) => indices.iter().map(|&i| i.into()).collect(),
         Some(Indices::U32(indices)) => indices.clone(),
         None => (0..count).collect(),
     };
     all.truncate(all.len() / 3 * 3);
     match all.iter().max() {
-        None => Err(Unfit::Empty),
-        Some(&most) if most >= count => Err(Unfit::Indices),
+        None => Err(EMPTY),
+        Some(&most) if most >= count => Err("a triangle of the mesh has a vertex that is not there"),
         Some(_) => Ok(all.into()),
     }
 }
 
-/// All layers of a mesh above its skin, as one mesh for a [`crate::FurMaterial`]: the outermost
-/// first, so that what lies below is found to be hidden. Positions are those of the skin; the
-/// shader moves them. The mesh keeps texture coordinates, colours, joints and weights, and is gone
-/// from the main world once it is on the graphics processor. `layers` counts as 1 to 256, fewer for
-/// large meshes. Costs time and memory as `layers` times the mesh.
-///
-/// # Errors
-/// Says why the mesh can have no fur.
-pub fn shells(mesh: &Mesh, layers: u32) -> Result<Mesh, Unfit> {
-    Skin::of(mesh).map(|skin| shells_of(mesh, &skin, layers, None))
-}
-
-/// The same with a checked mesh. With a reach, the bounds of joints contain all layers.
-pub(crate) fn shells_of(mesh: &Mesh, skin: &Skin, layers: u32, reach: Option<f32>) -> Mesh {
+/// All layers of a checked mesh above its skin, as one mesh for a [`crate::FurMaterial`]: the
+/// outermost first, so that what lies below is found to be hidden. Positions are those of the skin;
+/// the shader moves them. The mesh keeps texture coordinates, colours, joints and weights, and is
+/// gone from the main world once it is on the graphics processor. `layers` counts as 1 to 256, fewer
+/// for large meshes. With a reach, the bounds of joints contain all layers. Costs time and memory as
+/// `layers` times the mesh.
+pub(crate) fn shells(mesh: &Mesh, skin: &Skin, layers: u32, reach: Option<f32>) -> Mesh {
     let layers = layers.clamp(1, skin.most_layers);
     let (vertices, times) = (skin.vertices, layers as usize);
     let mut all = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD);
@@ -213,4 +181,75 @@ fn repeated(values: &VertexAttributeValues, vertices: usize, times: usize) -> Op
         Unorm16x4(v) => Unorm16x4(v.repeat(times)),
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_mesh::Meshable;
+    use bevy_shape::{Cuboid, Sphere};
+
+    use super::*;
+
+    fn layered(mesh: &Mesh, layers: u32) -> Mesh {
+        shells(mesh, &Skin::of(mesh).unwrap(), layers, None)
+    }
+
+    #[test]
+    fn all_kinds_of_indices_give_the_same_layers_outermost_first() {
+        let mesh = Sphere::new(1.0).mesh().uv(6, 4);
+        let vertices = mesh.count_vertices();
+        let short = match mesh.indices() {
+            Some(Indices::U32(long)) => long.iter().map(|&i| i as u16).collect(),
+            Some(Indices::U16(short)) => short.clone(),
+            None => panic!("no indices"),
+        };
+        let long: Vec<u32> = short.iter().map(|&i| i.into()).collect();
+        let of = |mesh: &Mesh| -> (Vec<[f32; 3]>, Vec<usize>) {
+            (floats(mesh, ATTRIBUTE_FUR_LAYER).unwrap().to_vec(), mesh.indices().unwrap().iter().collect())
+        };
+        let (marks, indices) = of(&layered(&mesh.clone().with_inserted_indices(Indices::U16(short)), 5));
+        let same = of(&layered(&mesh.clone().with_inserted_indices(Indices::U32(long)), 5));
+        assert_eq!((&marks, &indices), (&same.0, &same.1));
+        assert_eq!((marks.len(), indices.len()), (5 * vertices, 5 * mesh.indices().unwrap().len()));
+        assert!(indices.iter().all(|&i| i < 5 * vertices));
+        assert!(
+            marks
+                .chunks(vertices)
+                .zip((1..=5).rev())
+                .all(|(c, k)| c.iter().all(|m| *m == [k as f32, 5.0, 1.0]))
+        );
+        // The triangles of a layer keep to their layer, tips first.
+        let layers: Vec<usize> = indices.chunks(3).map(|t| t[0] / vertices).collect();
+        assert!(
+            layers.is_sorted()
+                && indices.chunks(3).all(|t| t.iter().all(|i| i / vertices == t[0] / vertices))
+        );
+        // Without indices: three vertices are a triangle.
+        let loose = mesh.clone().with_duplicated_vertices();
+        let (marks, indices) = of(&layered(&loose, 2));
+        assert_eq!(
+            (marks.len(), indices),
+            (2 * loose.count_vertices(), (0..marks.len()).collect::<Vec<_>>())
+        );
+        // None is one layer, and too many are 256.
+        assert_eq!(of(&layered(&loose, 0)).0.len(), loose.count_vertices());
+        assert_eq!(of(&layered(&loose, u32::MAX)).0.len(), 256 * loose.count_vertices());
+    }
+
+    #[test]
+    fn bald_skin_and_vertices_without_normals_have_no_length() {
+        let mut lengths = vec![2.0f32; 24];
+        (lengths[0], lengths[1], lengths[2]) = (0.0, 0.25, -3.0);
+        let mut normals = vec![[0.0, 3.0, 0.0]; 24];
+        normals[3] = [0.0; 3];
+        let mesh = Mesh::from(Cuboid::new(1.0, 1.0, 1.0))
+            .with_inserted_attribute(ATTRIBUTE_FUR_LENGTH, lengths)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
+        let all = layered(&mesh, 3);
+        let found: Vec<f32> =
+            floats(&all, ATTRIBUTE_FUR_LAYER).unwrap()[..6].iter().map(|mark| mark[2]).collect();
+        assert_eq!(found, [0.0, 0.25, 0.0, 0.0, 1.0, 1.0]);
+        let normals = floats(&all, Mesh::ATTRIBUTE_NORMAL).unwrap();
+        assert!(normals.iter().all(|n| *n == [0.0, 1.0, 0.0]), "normals are of unit length");
+    }
 }

@@ -9,11 +9,12 @@ use bevy_mesh::Mesh;
 
 use crate::coat::Made;
 use crate::numeric::KEPT_FRAMES;
-use crate::shells::{Skin, Unfit, shells_of};
+use crate::shells::{Skin, shells};
 
 /// A mesh with fur, and its layers.
 struct Known {
-    skin: Result<Skin, Unfit>,
+    /// Or why it gets no fur.
+    skin: Result<Skin, &'static str>,
     version: u32,
     /// By the layers and the bits of the reach, with the frame of the last use.
     made: BTreeMap<(u32, u32), (Handle<Mesh>, u32)>,
@@ -76,7 +77,7 @@ impl Store {
         }
         let mesh = meshes.get(of.mesh).filter(|mesh| mesh.try_attributes().is_ok())?;
         let reach = (of.reach != 0).then_some(f32::from_bits(of.reach));
-        let shells = shells_of(mesh, known.skin.as_ref().ok()?, of.layers, reach);
+        let shells = shells(mesh, known.skin.as_ref().ok()?, of.layers, reach);
         let handle = meshes.add(shells);
         known.made.insert(key, (handle.clone(), self.frame));
         Some(handle)

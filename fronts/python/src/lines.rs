@@ -48,7 +48,7 @@ fn occlusion(
 ) -> PyResult<Vec<f32>> {
     let options = AoOptions { solid, ..AoOptions::rays(radius, given.unwrap_or(tube)) };
     let sets = (MOST_POINTS / rays.max(1)).clamp(1, 16);
-    let samples = SampleSets::spirals(rays, sets, 1).map_err(refused)?;
+    let samples = SampleSets::spirals(rays, sets).map_err(refused)?;
     let cells = Cells::new(lines, options.margin());
     let rays = Occlusion::by_rays(&cells, view, &samples, options).map_err(refused)?;
     Ok(fragments.par_iter().map(|f| f.as_ref().map_or(0.0, |f| rays.at(f))).collect())

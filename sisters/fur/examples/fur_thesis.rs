@@ -1,13 +1,13 @@
 //! What casca-fur does otherwise than the thesis that it comes from (B. P. Evangelista, UFMG 2009):
-//! its fur maps, its lookups and its normals, in numbers. `fur_thesis [MAP.ppm]` also writes a map.
+//! its fur maps, its lookups and its normals, in numbers.
 
 use std::collections::HashSet;
 use std::error::Error;
 
 use casca_fur::mesh::{Vertex, continuous_normals, weld};
+use casca_scenes::random::generator;
 use glam::Vec3;
-use rand::{SeedableRng, seq::SliceRandom};
-use rand_pcg::Pcg64Mcg;
+use rand::seq::SliceRandom;
 
 const SIDE: i32 = 256;
 /// Two unit vectors whose sum is shorter than this are opposite, but for rounding: the sum has no
@@ -19,7 +19,7 @@ const OPPOSITE: f32 = 1e-6;
 /// order: the loop of the thesis tries for ever where the neighbours of hairs leave no room.
 fn fur_map(density: f64, taken: &[(i32, i32)]) -> (Vec<bool>, f64) {
     let mut order: Vec<i32> = (0..SIDE * SIDE).collect();
-    order.shuffle(&mut Pcg64Mcg::seed_from_u64(3));
+    order.shuffle(&mut generator(3, 0));
     let (mut hairs, mut count) = (vec![false; (SIDE * SIDE) as usize], 0);
     for at in order {
         let beside = |&(dx, dy): &(i32, i32)| {
@@ -82,11 +82,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("a fur map with {name} free neighbours holds {:.3} of 0.5", fur_map(0.5, taken).1);
     }
     let (hairs, _) = fur_map(0.2, &[]);
-    if let Some(path) = std::env::args_os().nth(1) {
-        let mut file = format!("P6\n{SIDE} {SIDE}\n255\n").into_bytes();
-        file.extend(hairs.iter().flat_map(|&hair| [if hair { 255 } else { 0 }; 3]));
-        std::fs::write(path, file)?;
-    }
 
     // The thesis looks fur up in the direction normal + position: some places have none.
     let soup = torus(3.0, 1.0, 24, 8);

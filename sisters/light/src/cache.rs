@@ -4,12 +4,13 @@ use std::f32::consts::PI;
 use std::sync::OnceLock;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::direct::{Lamps, Sources, Spot};
 use crate::error::{LightError, some_rays};
 use crate::input::{Light, Material, Object, Scene, Settings, Sky, check_lights};
 use crate::lattice::Lattice;
-use crate::numeric::{MOST_LINKS, MOST_STORED};
+use crate::numeric::{MEANS, MOST_LINKS, MOST_STORED};
 use crate::queues::{Unlit, Waiting, Wish};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
@@ -52,41 +53,9 @@ impl StartTable {
         Self((0..states).map(|_| OnceLock::new()).collect())
     }
 
-    pub(crate) fn of(&self, voxels: &Voxels, state: u32, seed: u32) -> &[Start] {
-        self.0[state as usize].get_or_init(|| voxels.starts(state, seed).into_vec().into())
+    pub(crate) fn of(&self, voxels: &Voxels, state: u32) -> &[Start] {
+        self.0[state as usize].get_or_init(|| voxels.starts(state).into_vec().into())
     }
-}
-
-/// What a function gives for each item, in order, by some threads. They take blocks of items in
-/// turn, as near items cost alike.
-pub(crate) fn in_parallel<T: Sync, R: Send>(
-    items: &[T],
-    threads: u32,
-    of: impl Fn(&T) -> R + Sync,
-) -> Vec<R> {
-    const BLOCK: usize = 64;
-    let threads = (threads as usize).min(items.len().div_ceil(BLOCK)).max(1);
-    if threads == 1 {
-        return items.iter().map(of).collect();
-    }
-    let of_thread = |k: usize| {
-        let blocks = items.chunks(BLOCK).skip(k).step_by(threads);
-        blocks.map(|block| block.iter().map(&of).collect::<Vec<R>>()).collect::<Vec<_>>()
-    };
-    let of_thread = &of_thread;
-    let mut parts: Vec<_> = std::thread::scope(|scope| {
-        let running: Vec<_> = (1..threads).map(|k| scope.spawn(move || of_thread(k))).collect();
-        let mut parts = vec![of_thread(0).into_iter()];
-        for thread in running {
-            match thread.join() {
-                Ok(part) => parts.push(part.into_iter()),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        parts
-    });
-    let blocks = (0..items.len().div_ceil(BLOCK)).filter_map(|i| parts[i % threads].next());
-    blocks.flatten().collect()
 }
 
 /// What has been counted.
@@ -177,7 +146,7 @@ impl Cache {
     }
 
     pub(crate) fn starts(&self, state: u32) -> &[Start] {
-        self.starts.of(&self.voxels, state, self.settings.seed)
+        self.starts.of(&self.voxels, state)
     }
 
     /// Asks for a state, if it has no rays.
@@ -225,7 +194,7 @@ impl Cache {
 
     /// Sends rays from states that have none, and lets the states wait that they hit.
     pub(crate) fn gather_states(&mut self, ring: &[u32], rays: u32) {
-        let found = in_parallel(ring, self.settings.threads, |&state| self.trace(state, rays));
+        let found: Vec<_> = ring.par_iter().map(|&state| self.trace(state, rays)).collect();
         for (&state, mut of_state) in ring.iter().zip(found) {
             let first = self.rays.len() as u32;
             self.blocks[state as usize] = Block { first, count: rays };
@@ -262,7 +231,7 @@ impl Cache {
         if starts.is_empty() {
             return vec![Ray::BURIED; rays as usize];
         }
-        let bundle = Bundle::new(starts, rays, self.voxels.key(state, self.settings.seed));
+        let bundle = Bundle::new(starts, rays, self.voxels.key(state));
         let of = |i| {
             let (start, direction) = bundle.ray(i);
             self.voxels.trace(start, direction, &|s| self.starts(s))
@@ -276,7 +245,7 @@ impl Cache {
         let rays = &self.rays[block.range()];
         let mut sum = Vec3::ZERO;
         if rays.iter().any(|r| r.target == SKY) {
-            let key = self.voxels.key(state, self.settings.seed);
+            let key = self.voxels.key(state);
             let bundle = Bundle::new(self.starts(state), block.count, key);
             let sky = (0..).zip(rays).filter(|(_, r)| r.target == SKY);
             sum = sky.map(|(i, _)| self.sky.radiance(bundle.ray(i).1.as_vec3())).sum();
@@ -307,7 +276,7 @@ impl Cache {
 
     /// Finds the direct light of some states.
     pub(crate) fn light(&mut self, states: &[u32]) {
-        let found = in_parallel(states, self.settings.threads, |&state| self.direct_of(state));
+        let found: Vec<_> = states.par_iter().map(|&state| self.direct_of(state)).collect();
         for (&state, direct) in states.iter().zip(found) {
             self.glow[state as usize].direct = direct;
             self.send(state);
@@ -319,7 +288,7 @@ impl Cache {
         let starts = self.starts(state);
         let count = starts.len().max(1) as u32;
         let sources = self.sources();
-        let key = self.voxels.key(state, self.settings.seed);
+        let key = self.voxels.key(state);
         let of = |(i, s): (u64, &Start)| {
             let (at, normal) = (s.at.as_dvec3(), s.normal.as_dvec3());
             sources.irradiance(&Spot { at, normal, key: mix(key ^ mix(i)) }, count)
@@ -365,10 +334,10 @@ impl Cache {
     }
 
     /// Passes until a pass changes less than a share, `most` at most; returns their number. Answers
-    /// are smoothed then, as often as [`Settings::smooth`] says.
+    /// are smoothed then, twice: see [`Cache::smooth`].
     pub fn converge(&mut self, share: f64, most: u32) -> u32 {
         let passes = (1..=most).find(|_| self.pass() < share).unwrap_or(most);
-        self.smooth(self.settings.smooth);
+        self.smooth(MEANS);
         passes
     }
 

@@ -30,15 +30,15 @@ pub enum LightError {
         /// The most there: 1 if the cells around are as fine as can be.
         most: u32,
     },
-    /// A triangle with a material that the scene does not have.
-    #[error("triangle {triangle} of object {object} has material {material}; there are {count}")]
-    Material {
-        /// The object.
-        object: usize,
-        /// The triangle in it.
-        triangle: usize,
-        /// Its material.
-        material: u32,
+    /// A material, texture or object that the scene does not have.
+    #[error("{of} names {what} {number}; there are {count}")]
+    Missing {
+        /// What names it.
+        of: String,
+        /// What it is.
+        what: &'static str,
+        /// Its number, which starts at 0.
+        number: usize,
         /// How many there are.
         count: usize,
     },
@@ -51,16 +51,6 @@ pub enum LightError {
         height: u32,
         /// How many came.
         texels: usize,
-    },
-    /// A material with a texture that the scene does not have.
-    #[error("material {material} has texture {texture}; there are {count}")]
-    Texture {
-        /// The material.
-        material: usize,
-        /// Its texture.
-        texture: u32,
-        /// How many there are.
-        count: usize,
     },
     /// A number that is not finite or not in its range.
     #[error("{what} {index}: {value} is not within {low} and {high}")]
@@ -94,14 +84,6 @@ pub enum LightError {
     TooManyRays {
         /// How many.
         rays: usize,
-    },
-    /// An object that the scene does not have.
-    #[error("object {object} does not exist; there are {count}")]
-    Object {
-        /// Its index.
-        object: usize,
-        /// How many there are.
-        count: usize,
     },
 }
 

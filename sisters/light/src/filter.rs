@@ -6,9 +6,10 @@
 //! errors of means do not add up.
 
 use glam::Vec3;
+use rayon::prelude::*;
 use smallvec::SmallVec;
 
-use crate::cache::{Cache, Links, in_parallel};
+use crate::cache::{Cache, Links};
 use crate::numeric::{LINK_HEIGHT, LINK_NORMAL, MOST_LINKS};
 use crate::states::sign;
 use crate::voxels::NONE;
@@ -23,7 +24,7 @@ impl Cache {
     pub fn smooth(&mut self, times: u32) {
         let is_missing = |s: &u32| self.links[*s as usize].is_none();
         let missing: Vec<u32> = self.gathered.iter().copied().filter(is_missing).collect();
-        let found = in_parallel(&missing, self.settings.threads, |&state| self.links_of(state));
+        let found: Vec<_> = missing.par_iter().map(|&state| self.links_of(state)).collect();
         for (state, links) in missing.into_iter().zip(found) {
             self.links[state as usize] = Some(links);
         }

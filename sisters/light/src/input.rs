@@ -257,30 +257,13 @@ pub struct Settings {
     pub lamp_rays: u32,
     /// Shadow rays to each light with a size, 1 to 4096.
     pub light_rays: u32,
-    /// Means over neighbouring states after [`Cache::converge`](crate::Cache::converge), 0 to 4096: see
-    /// [`Cache::smooth`](crate::Cache::smooth). With 0 answers are as rays found them.
-    pub smooth: u32,
-    /// Threads that send rays, 1 to 4096. Results do not depend on them.
-    pub threads: u32,
-    /// Another number turns all directions.
-    pub seed: u32,
 }
 
 impl Settings {
-    /// No windows, 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, 8 of
-    /// lights, two means, and one thread.
+    /// No windows, 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, and 8 of
+    /// lights.
     pub const fn new(grid: Grid) -> Self {
-        Self {
-            grid,
-            windows: [None; 2],
-            answer_rays: 64,
-            lamp_points: 512,
-            lamp_rays: 32,
-            light_rays: 8,
-            smooth: 2,
-            threads: 1,
-            seed: 0,
-        }
+        Self { grid, windows: [None; 2], answer_rays: 64, lamp_points: 512, lamp_rays: 32, light_rays: 8 }
     }
 
     pub(crate) fn check(&self) -> Result<(), LightError> {
@@ -291,9 +274,6 @@ impl Settings {
             ("lamp_points", self.lamp_points),
             ("lamp_rays", self.lamp_rays),
             ("light_rays", self.light_rays),
-            ("threads", self.threads),
-            // None is as good as one.
-            ("smooth", self.smooth.max(1)),
         ];
         counts.into_iter().try_for_each(|(what, value)| some_rays(what, value))
     }
@@ -305,8 +285,9 @@ impl Scene {
             numbers("the albedo of material", index, m.albedo, 0.0..=1.0)?;
             bright("the emission of material", index, m.emission)?;
             let count = self.textures.len();
-            if let Some(texture) = m.texture.filter(|t| *t as usize >= count) {
-                return Err(LightError::Texture { material: index, texture, count });
+            if let Some(number) = m.texture.map(|t| t as usize).filter(|t| *t >= count) {
+                let of = format!("material {index}");
+                return Err(LightError::Missing { of, what: "texture", number, count });
             }
         }
         for (object, o) in self.objects.iter().enumerate() {
@@ -322,8 +303,9 @@ impl Object {
         match self.triangles.iter().position(|t| t.material as usize >= count) {
             None => Ok(()),
             Some(triangle) => {
-                let material = self.triangles[triangle].material;
-                Err(LightError::Material { object, triangle, material, count })
+                let number = self.triangles[triangle].material as usize;
+                let of = format!("triangle {triangle} of object {object}");
+                Err(LightError::Missing { of, what: "material", number, count })
             }
         }
     }

@@ -7,8 +7,9 @@
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
-use crate::cache::{Cache, in_parallel};
+use crate::cache::Cache;
 use crate::direct::Spot;
 use crate::error::{LightError, numbers, some_rays, way};
 use crate::numeric::LEAST_ROUGH;
@@ -34,7 +35,7 @@ struct Met {
 }
 
 impl Cache {
-    /// Asks for the states around what rays meet, each a point and a direction, by all threads,
+    /// Asks for the states around what rays meet, each a point and a direction, by all threads of rayon,
     /// and returns the surfaces that they meet. A camera asks so for its picture, and needs no
     /// picture of positions.
     ///
@@ -46,7 +47,7 @@ impl Cache {
         let ask = |&(from, direction): &(DVec3, DVec3)| {
             self.meets(from, direction).map(|met| (self.answering(&met.spot), self.seen_at(&met)))
         };
-        let found = in_parallel(&open, self.settings.threads, ask);
+        let found: Vec<_> = open.par_iter().map(ask).collect();
         found.iter().flatten().for_each(|(targets, _)| self.want_all(targets));
         Ok(found.into_iter().map(|f| f.map(|(_, seen)| seen)).collect())
     }
@@ -86,7 +87,7 @@ impl Cache {
     }
 
     /// Asks for the states that [`Cache::reflection`] will read at points, each with its normal and
-    /// roughness, by all threads.
+    /// roughness, by all threads of rayon.
     ///
     /// # Errors
     /// As there; then nothing is asked for.
@@ -103,8 +104,7 @@ impl Cache {
             })?;
             Ok(targets.concat())
         };
-        let found = in_parallel(points, self.settings.threads, ask);
-        let found = found.into_iter().collect::<Result<Vec<_>, LightError>>()?;
+        let found = points.par_iter().map(ask).collect::<Result<Vec<_>, LightError>>()?;
         found.iter().for_each(|targets| self.want_all(targets));
         Ok(())
     }

@@ -7,8 +7,9 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
-use crate::cache::{Block, Cache, Glow, Links, StartTable, in_parallel};
+use crate::cache::{Block, Cache, Glow, Links, StartTable};
 use crate::direct::Lamps;
 use crate::error::LightError;
 use crate::input::Object;
@@ -112,7 +113,8 @@ impl Cache {
         let count = self.objects.len();
         for (object, new) in &new {
             if *object >= count {
-                return Err(LightError::Object { object: *object, count });
+                let of = "a change".to_owned();
+                return Err(LightError::Missing { of, what: "object", number: *object, count });
             }
             new.check(*object, self.materials.len())?;
         }
@@ -174,10 +176,8 @@ impl Cache {
             }
         }
         let balls = balls_around(&map.near);
-        let mended = {
-            let of = |state: &u32| self.mended(*state, &map, change, &balls);
-            in_parallel(&self.gathered, self.settings.threads, of)
-        };
+        let of = |state: &u32| self.mended(*state, &map, change, &balls);
+        let mended: Vec<_> = self.gathered.par_iter().map(of).collect();
         for (i, (rays, sent)) in mended.into_iter().enumerate() {
             moved.sent += sent;
             self.take_rays(self.gathered[i], &rays);
@@ -238,13 +238,12 @@ impl Cache {
     ) -> (Vec<Ray>, usize) {
         let (boxes, solid) = (&map.near[..], change.solid());
         let block = self.blocks[state as usize];
-        let seed = self.settings.seed;
         let mut rays = self.rays[block.range()].to_vec();
         let starts = self.starts(state);
         if starts.is_empty() {
             return (rays, 0);
         }
-        let bundle = Bundle::new(starts, block.count, self.voxels.key(state, seed));
+        let bundle = Bundle::new(starts, block.count, self.voxels.key(state));
         let towards = bundle.towards(balls);
         let mut sent = 0;
         for (i, ray) in (0..).zip(&mut rays) {
@@ -325,9 +324,8 @@ impl Cache {
                 }
             }
         }
-        let seed = self.settings.seed;
-        let is_kept = |(_, to, starts): &(u32, u32, Box<[Start]>)| new.starts(*to, seed)[..] == starts[..];
-        let kept = in_parallel(&doubtful, self.settings.threads, is_kept);
+        let is_kept = |(_, to, starts): &(u32, u32, Box<[Start]>)| new.starts(*to)[..] == starts[..];
+        let kept: Vec<_> = doubtful.par_iter().map(is_kept).collect();
         for ((from, to, starts), is_kept) in doubtful.into_iter().zip(kept) {
             let entry = to / 2;
             if is_kept {

@@ -259,6 +259,9 @@ pub(crate) const LINK_HEIGHT: f64 = 0.5;
 /// Links of a state: the cells around it on a wall.
 pub(crate) const MOST_LINKS: usize = 8;
 
+/// Means over linked states: two take most blotches of 64 rays.
+pub(crate) const MEANS: u32 = 2;
+
 /// Less rough surfaces are mirrors: the lobe is narrower than a degree.
 pub(crate) const LEAST_ROUGH: f32 = 1e-2;
 

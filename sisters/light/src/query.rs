@@ -35,7 +35,7 @@ impl Cache {
         let normal = normal.as_dvec3().normalize();
         let place = self.voxels.lattice.cells(point);
         let bits = point.to_array().map(|c| u64::from(c.to_bits()));
-        let key = bits.iter().fold(u64::from(self.settings.seed), |h, c| mix(h ^ c));
+        let key = bits.iter().fold(0, |h, c| mix(h ^ c));
         Ok(Spot { at: lifted(place, normal).as_dvec3(), normal, key })
     }
 

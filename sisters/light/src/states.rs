@@ -79,15 +79,15 @@ impl Voxels {
     }
 
     /// A number that belongs to a state in whichever order surfaces are given.
-    pub(crate) fn key(&self, state: u32, seed: u32) -> u64 {
+    pub(crate) fn key(&self, state: u32) -> u64 {
         let e = &self.entries[state as usize / 2];
         let kind = u64::from(e.rank) << 8 | u64::from(e.bin) << 1 | u64::from(state & 1);
-        mix(mix(u64::from(e.cell) << 32 | u64::from(seed)) ^ kind)
+        mix(mix(u64::from(e.cell) << 32) ^ kind)
     }
 
     /// The starts of a state. Pure: depends on the surfaces within [`OPEN_REACH`] only.
-    pub(crate) fn starts(&self, state: u32, seed: u32) -> Starts {
-        let key = self.key(state, seed);
+    pub(crate) fn starts(&self, state: u32) -> Starts {
+        let key = self.key(state);
         let (candidates, middle) = self.candidates(state, key);
         let fine = self.lattice.fine(self.lattice.place(self.entries[state as usize / 2].cell));
         let Some(best) = self.most_open(&candidates, middle, fine, key) else { return Starts::new() };

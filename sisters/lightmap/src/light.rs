@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use casca_radiosity::lit::{LitObject, LitScene};
 use casca_radiosity::{Cache, Grid, LightError, Scene, Statistics};
 use glam::{Affine3A, Vec3};
-use rayon::{current_num_threads, prelude::*};
+use rayon::prelude::*;
 
 use uvunwrap::Atlas;
 
@@ -86,7 +86,7 @@ impl Following {
         let grid = Grid::around(&given.objects, settings.cells);
         let probes = Probes::new((grid.min, grid.max), settings.spacing)?;
         let mut how = casca_radiosity::Settings::new(grid);
-        (how.threads, how.answer_rays) = (current_num_threads() as u32, ANSWER_RAYS);
+        how.answer_rays = ANSWER_RAYS;
         let cache = Cache::new(&given, how)?;
         Ok(Self { scene, cache, probes, rays: (settings.rays, settings.rays.div_ceil(FARTHER)) })
     }

@@ -220,10 +220,10 @@ impl Case {
         let values = |by: Occlusion<'_>| receivers.iter().map(|(_, f)| f64::from(by.at(f))).collect();
         let options = AoOptions { solid, ..AoOptions::rays(self.radius, self.tube) };
         let cells = Cells::new(&self.lines, options.margin());
-        let sets = SampleSets::spirals(USUAL_RAYS, SETS, 1).expect("sets");
+        let sets = SampleSets::spirals(USUAL_RAYS, SETS).expect("sets");
         let rays = values(Occlusion::by_rays(&cells, view, &sets, options).expect("options"));
         let options = AoOptions { solid, ..AoOptions::places(self.radius, self.tube) };
-        let sets = SampleSets::spirals(USUAL_SIDE_RAYS, SETS, 1).expect("sets");
+        let sets = SampleSets::spirals(USUAL_SIDE_RAYS, SETS).expect("sets");
         let sides = Sides::new(&self.lines, &cells, &sets, options).expect("options");
         [thesis, rays, values(Occlusion::by_places(&sides, view))]
     }

@@ -30,19 +30,19 @@ pub struct SampleSets {
 
 impl SampleSets {
     /// `sets` sets of `samples` points that fill the disc evenly: spirals of Vogel (1979, "A better
-    /// way to construct the sunflower head"), each turned by a seeded angle. Time and memory:
-    /// proportional to the points.
+    /// way to construct the sunflower head"), each turned by an angle of its own. Time and
+    /// memory: proportional to the points.
     ///
     /// # Errors
     /// If one of the numbers is 0, or there are too many points.
-    pub fn spirals(samples: u32, sets: u32, seed: u64) -> Result<Self, SampleError> {
+    pub fn spirals(samples: u32, sets: u32) -> Result<Self, SampleError> {
         if samples == 0 || sets == 0 || samples > MOST_SAMPLES || samples.saturating_mul(sets) > MOST_POINTS {
             return Err(SampleError { samples, sets });
         }
         let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
         let mut points = Vec::with_capacity((samples * sets) as usize);
         for number in 0..sets {
-            let turn = Random::new(hash(seed) ^ u64::from(number)).within(0.0, std::f64::consts::TAU);
+            let turn = Random::new(hash(1) ^ u64::from(number)).within(0.0, std::f64::consts::TAU);
             points.extend((0..samples).map(|i| {
                 let radius = ((f64::from(i) + 0.5) / f64::from(samples)).sqrt();
                 let (sine, cosine) = (turn + golden * f64::from(i)).sin_cos();
@@ -70,13 +70,13 @@ mod tests {
 
     #[test]
     fn sets_fill_the_disc_evenly_and_wrong_numbers_are_refused() {
-        let sets = SampleSets::spirals(400, 2, 1).unwrap();
+        let sets = SampleSets::spirals(400, 2).unwrap();
         let near = sets.set(1).iter().filter(|p| p.length() < 0.5).count();
         assert!((98..=102).contains(&near) && sets.set(0) != sets.set(1));
-        assert_eq!(sets, SampleSets::spirals(400, 2, 1).unwrap());
+        assert_eq!(sets, SampleSets::spirals(400, 2).unwrap());
         for (samples, sets) in [(0, 1), (1, 0), (5000, 1), (4096, 5), (u32::MAX, u32::MAX)] {
-            assert_eq!(SampleSets::spirals(samples, sets, 1), Err(SampleError { samples, sets }));
+            assert_eq!(SampleSets::spirals(samples, sets), Err(SampleError { samples, sets }));
         }
-        assert_eq!(SampleSets::spirals(1, 1, 1).unwrap().set(7).len(), 1);
+        assert_eq!(SampleSets::spirals(1, 1).unwrap().set(7).len(), 1);
     }
 }

@@ -1,4 +1,4 @@
-//! The configuration and the numbers of tests.
+//! The numbers of tests.
 
 use glam::Vec3;
 use proptest::prelude::*;
@@ -23,17 +23,6 @@ pub fn places(most: f32) -> impl Strategy<Value = Vec3> + Clone {
     let on = (0..=STEPS).prop_map(move |i| (i as f32 * 2.0 / STEPS as f32 - 1.0) * most);
     let coordinate = prop_oneof![-most..most, on];
     [coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from)
-}
-
-/// `n` cases, the same in every run. `CASCA_CASES` multiplies their number.
-pub fn cases(n: u32) -> proptest::test_runner::Config {
-    let factor = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse::<u32>().ok()).unwrap_or(1);
-    proptest::test_runner::Config {
-        cases: n.saturating_mul(factor.min(100_000)),
-        rng_seed: proptest::test_runner::RngSeed::Fixed(1),
-        failure_persistence: None,
-        ..proptest::test_runner::Config::default()
-    }
 }
 
 /// The same lines with each vertex moved.

@@ -84,13 +84,14 @@ pub fn walk(view: &View, ends: [DVec3; 2], mut visit: impl FnMut([u32; 2], [f64;
 mod tests {
     use std::collections::BTreeMap;
 
+    use casca_truth::cases;
     use glam::{Vec3, vec3};
     use proptest::prelude::*;
 
     use super::*;
     use crate::buffers::nearest_lines;
     use crate::sets::LineSet;
-    use crate::testing::{cases, places};
+    use crate::testing::places;
     use crate::view::Lens;
 
     /// The least and the greatest share of the way of points all along a segment, by the column in

@@ -6,7 +6,7 @@ use casca_fur::gpu::records::DrawList;
 use casca_fur::mesh::Mesh;
 use casca_fur::scenes::CharacterRig;
 use casca_fur::scenes::animals::Rig;
-use casca_fur::skin::{Clip, Ending, Pose, Skeleton, Weights};
+use casca_fur::skin::{Clip, Pose, Skeleton, Weights};
 use glam::Affine3A;
 
 use crate::common::Failed;
@@ -56,7 +56,7 @@ impl Walker {
     /// None for lists with an animal.
     pub fn pose(&self, list: &mut DrawList, seconds: f64) -> Result<(), casca_fur::Error> {
         let mut pose = Pose::rest(&self.skeleton);
-        pose.set(&self.skeleton, &self.clip, seconds, Ending::Loop);
+        pose.set(&self.skeleton, &self.clip, seconds);
         list.pose(0, &pose)
     }
 }

@@ -38,8 +38,6 @@ const PASSES: u32 = 2;
 /// Light is settled if a pass changes less than this share of it; it would take so many at most.
 const SETTLED: f64 = 1e-4;
 const MOST_PASSES: u32 = 64;
-/// Means over neighbouring states: two take most blotches of so few rays.
-const MEANS: u32 = 2;
 /// The plane's golden ratios, 0.7549 and 0.5698, as 32 bits behind the point: any number of first
 /// points of this sequence is spread evenly (Roberts 2018).
 const SPREAD: [u32; 2] = [3_242_174_889, 2_447_445_414];
@@ -97,7 +95,7 @@ impl Renderer {
         let half = settings.window as f32 * (grid.max - grid.min).max_element() / grid.cells as f32;
         let window = (settings.window > 0).then_some(Window { middle: grid.min, half, finer: FINER });
         let windows = [window, None];
-        let how = casca_radiosity::Settings { threads, windows, ..casca_radiosity::Settings::new(grid) };
+        let how = casca_radiosity::Settings { windows, ..casca_radiosity::Settings::new(grid) };
         let cache = Cache::new(&given, how)?;
         Ok(Self {
             exposure: None,
@@ -185,11 +183,9 @@ impl Renderer {
         let old = self.cache.direct_part(0);
         let passes = if budget.is_some() { PASSES } else { MOST_PASSES };
         let is_settled = self.cache.converge(SETTLED, passes) < passes;
-        stage(clock, "passes");
+        stage(clock, "passes and means");
         let waiting = self.cache.waiting();
         self.updated = Updated { waiting, old, settled: is_settled && waiting == 0 && old == 0 };
-        self.cache.smooth(MEANS);
-        stage(clock, "means");
         self.device = GpuCache::new(&gpu.device, &self.cache)?;
         stage(clock, "upload");
         Ok(self.updated)

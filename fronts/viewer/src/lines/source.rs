@@ -175,7 +175,7 @@ impl Source {
         let ao = AoOptions { radius, estimator, solid: options.solid };
         let samples = options.samples();
         let (sets, antialiasing) = (sets(samples), options.antialiasing());
-        Settings { ao, samples, sets, antialiasing, ..Settings::new(radius, tube) }
+        Settings { ao, samples, sets, antialiasing }
     }
 
     /// Where the eye starts, and the place that it looks at. In a house it is in the first room.

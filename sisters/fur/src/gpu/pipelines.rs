@@ -8,22 +8,12 @@ use casca_stage::wgpu::{
 use crate::gpu::buffers::Follower;
 use crate::gpu::look::Corner;
 use crate::gpu::records::Block;
-use crate::shader::{LOOKUP, SLAB, STRANDS};
+use crate::shader::{SLAB, STRANDS};
 
-/// In the place of [`LOOKUP`], for studies: a fragment walks along its ray from cell to cell.
-pub(super) const WALK: &str = include_str!("walk.wgsl");
-
-/// The shaders: fragments look one strand up, or walk along their rays for studies.
-pub(super) fn shaders(walked: bool) -> String {
-    [
-        STRANDS,
-        if walked { WALK } else { LOOKUP },
-        SLAB,
-        include_str!("surroundings.wgsl"),
-        include_str!("pose.wgsl"),
-        include_str!("shells.wgsl"),
-    ]
-    .concat()
+/// The shaders.
+pub(super) fn shaders() -> String {
+    [STRANDS, SLAB, include_str!("surroundings.wgsl"), include_str!("pose.wgsl"), include_str!("shells.wgsl")]
+        .concat()
 }
 
 /// Makes pipelines: for pictures, or for the shadow map if there is no fragment shader with

@@ -212,10 +212,10 @@ mod tests {
 
     #[test]
     fn levels_have_vertices_of_the_finest() {
-        let mesh = ball(24);
+        let mesh = ball(4);
         let levels = mesh.levels(4).unwrap();
         assert_eq!((levels.len(), &levels[0]), (4, &mesh));
-        for (level, target) in levels[1..].iter().zip([1728, 432, 108]) {
+        for (level, target) in levels[1..].iter().zip([1280, 320, 80]) {
             assert!(level.triangles().len() <= target && level.triangles().len() * 10 > target * 9);
             assert!(level.vertices().iter().all(|v| mesh.vertices().contains(v)));
             assert_eq!(level.open_edges(), 0);

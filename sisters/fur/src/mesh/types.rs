@@ -100,16 +100,6 @@ impl Mesh {
         &self.triangles
     }
 
-    /// The same vertices with other coats, made from each vertex.
-    ///
-    /// # Errors
-    /// Refuses coats outside of 0 to 1.
-    pub fn with_coats(mut self, coat: impl FnMut(&Vertex) -> Coat) -> Result<Self, Error> {
-        self.coats = self.vertices.iter().map(coat).collect();
-        check_coats(&self.coats, self.vertices.len())?;
-        Ok(self)
-    }
-
     /// The box of the vertices, without fur.
     pub fn aabb(&self) -> Aabb {
         // A checked mesh has a vertex.

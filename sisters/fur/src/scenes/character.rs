@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::Error;
-use crate::mesh::{Mesh, Vertex, center, continuous_normals, weld};
+use crate::mesh::{Mesh, Vertex, prepare};
 use crate::skin::{Clip, Joint, Pose, Skeleton, SkinBounds, Weights};
 use crate::strands::Fur;
 use glam::{Affine3A, Vec3};
@@ -49,21 +49,20 @@ impl Character {
     /// [`mesh`](crate::mesh) refuses.
     pub fn new(coated: &Coated, bald: &[String], levels: usize) -> Result<Self, Trouble> {
         let bald = bald_materials(coated, bald)?;
-        let corners = || coated.mesh.triangles.as_flattened().iter().map(|&v| v as usize);
-        let mut soup: Vec<Vertex> = corners().map(|v| Vertex::at(coated.mesh.positions[v])).collect();
-        let middle = center(&mut soup).map_err(refused)?.center;
-        continuous_normals(&mut soup).map_err(refused)?;
-        let mut coats: Vec<_> = corners().map(|v| coated.coats[v]).collect();
-        for (corner, coat) in coats.iter_mut().enumerate() {
-            if bald.contains(&coated.materials[corner / 3]) {
-                coat.length = 0.0;
+        let given = &coated.mesh;
+        // Parts of two materials share no vertices.
+        let mut coats = coated.coats.clone();
+        for (triangle, material) in given.triangles.iter().zip(&coated.materials) {
+            if bald.contains(material) {
+                triangle.iter().for_each(|&v| coats[v as usize].length = 0.0);
             }
         }
-        let mesh = weld(&soup, &coats).map_err(refused)?.ordered();
+        let (mesh, placing) = prepare(&given.positions, &coats, &given.triangles).map_err(refused)?;
+        let middle = placing.center;
         let levels = mesh.levels(levels).map_err(refused)?;
         let carried = |rig: &Rig| {
-            let vertices = coated.mesh.positions.iter().map(|&p| Vertex::at(p - middle)).collect();
-            let from = Mesh::new(vertices, Vec::new(), coated.mesh.triangles.clone())?;
+            let vertices = given.positions.iter().map(|&p| Vertex::at(p - middle)).collect();
+            let from = Mesh::new(vertices, Vec::new(), given.triangles.clone())?;
             let weights = levels.iter().map(|level| rig.weights.carried(&from, level));
             let back = Affine3A::from_translation(middle);
             let moved = |joint: &Joint| Joint { inverse_bind: joint.inverse_bind * back, ..*joint };

@@ -3,13 +3,13 @@
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use crate::error::{Error, range};
-use crate::skin::{Ending, Pose};
+use crate::skin::Pose;
 use crate::strands::{Forces, Fur, Lean};
 use crate::visibility::{furry_object, inner_ball};
 use casca::{Aabb, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
+use casca_scenes::random::generator;
 use glam::{Affine3A, Quat, Vec3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 use crate::scenes::animals::Animal;
 
@@ -129,7 +129,7 @@ impl Field {
         range("the number of species", species as f64, 1.0, MOST_SPECIES as f64)?;
         let kind = |i: usize| Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL);
         let species = (0..species).map(kind).collect::<Result<Vec<Animal>, Error>>()?;
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut random = generator(seed, 0);
         let ball = |kind: &Animal| match forces {
             Some(_) => Ok(None),
             None => inner_ball(&kind.levels().iter().collect::<Vec<_>>()),
@@ -215,7 +215,7 @@ impl Field {
             resident.placement = placement * onto_ground(kind);
             let rig = kind.rig();
             let seconds = resident.walk.rounds(time, rig.stride) * f64::from(rig.walk.seconds());
-            pose.set(&rig.skeleton, &rig.walk, seconds, Ending::Loop);
+            pose.set(&rig.skeleton, &rig.walk, seconds);
             resident.lean = self.forces.lean(velocity, acceleration)?;
             let bounds = rig.bounds.posed(pose, &fur);
             self.scene.set_transform(resident.id, resident.placement).map_err(failed)?;
@@ -262,11 +262,6 @@ impl Field {
             wall if wall >> 32 == 1 => Kind::Wall((wall - (1 << 32)) as usize),
             animal => Kind::Animal(animal as usize),
         })
-    }
-
-    /// The height of an animal's fur in world units.
-    pub fn fur_height(&self, animal: usize) -> f32 {
-        self.animals.get(animal).map_or(0.0, |resident| self.fur.height * resident.walk.scale)
     }
 
     /// An eye on a path through the field and the direction in which it looks, for a share of the

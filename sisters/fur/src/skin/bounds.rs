@@ -87,22 +87,23 @@ mod tests {
     use glam::Quat;
 
     use super::*;
-    use crate::samples::{Dice, ball, dice, torus_mesh};
-    use crate::skin::{Channel, Clip, Ending, Interpolation, Joint, Local, Skeleton, Track};
+    use crate::samples::{ball, torus_mesh};
+    use crate::skin::{Channel, Clip, Interpolation, Joint, Local, Skeleton, Track};
+    use casca_scenes::random::Dice;
 
     fn turned(random: &mut Dice) -> Quat {
-        Quat::from_axis_angle(random.direction(), (random.next() * 6.3) as f32)
+        Quat::from_axis_angle(random.ball().normalize(), random.range(0.0, 6.3))
     }
 
     /// Joints hung at random, of random scales, and a clip that moves all of them.
     fn creature(random: &mut Dice, joints: usize) -> (Skeleton, Clip) {
         let local = |random: &mut Dice| Local {
-            translation: random.point() * 2.0,
+            translation: random.ball() * 2.0,
             rotation: turned(random),
-            scale: Vec3::ONE + random.point() * 0.5,
+            scale: Vec3::ONE + random.ball() * 0.5,
         };
         let made = (0..joints).map(|i| {
-            let parent = (i > 0).then(|| (random.next() * i as f64) as usize);
+            let parent = (i > 0).then(|| random.range(0.0, i as f32) as usize);
             Joint { rest: local(random), ..Joint::at(parent, Vec3::ZERO) }
         });
         let skeleton = Skeleton::new(made.collect()).unwrap();
@@ -125,10 +126,10 @@ mod tests {
     }
 
     fn weights(random: &mut Dice, vertices: usize, skeleton: &Skeleton) -> Weights {
-        let count = skeleton.joints().len() as f64;
+        let count = skeleton.joints().len() as f32;
         let joints: Vec<[u32; 4]> =
-            (0..vertices).map(|_| [0; 4].map(|_| (random.next() * count) as u32)).collect();
-        let share = |random: &mut Dice| if random.next() < 0.4 { 0.0 } else { random.next() as f32 };
+            (0..vertices).map(|_| [0; 4].map(|_| random.range(0.0, count) as u32)).collect();
+        let share = |random: &mut Dice| if random.chance(0.4) { 0.0 } else { random.range(0.0, 1.0) };
         let shares: Vec<[f32; 4]> =
             joints.iter().map(|_| [1e-6, share(random), share(random), share(random)]).collect();
         Weights::new(&joints, &shares, skeleton).unwrap()
@@ -136,20 +137,20 @@ mod tests {
 
     #[test]
     fn bounds_hold_every_layer_in_every_pose_whatever_the_weights_are() {
-        let mut random = dice(11);
+        let mut random = Dice::new(11, 0);
         let (mut held, mut tightest) = (0, f32::INFINITY);
         for case in 0..120 {
-            let mesh = if case % 2 == 0 { ball(3) } else { torus_mesh(9) };
+            let mesh = if case % 2 == 0 { ball(1) } else { torus_mesh(9) };
             let (skeleton, clip) = creature(&mut random, 1 + case % 7);
             let weights = weights(&mut random, mesh.vertices().len(), &skeleton);
             let fur = Fur {
-                bend: random.point() * 2.0,
-                ..Fur::for_radius(1.0, random.next() as f32, 0.2).unwrap()
+                bend: random.ball() * 2.0,
+                ..Fur::for_radius(1.0, random.range(0.0, 1.0), 0.2).unwrap()
             };
             let bounds = SkinBounds::new(&mesh, &weights).unwrap();
             let mut pose = Pose::rest(&skeleton);
             for _ in 0..4 {
-                pose.set(&skeleton, &clip, random.next(), Ending::Loop);
+                pose.set(&skeleton, &clip, f64::from(random.range(0.0, 1.0)));
                 let posed = bounds.posed(&pose, &fur);
                 let at = |v: usize, h: f32| {
                     let vertex = &mesh.vertices()[v];
@@ -157,8 +158,8 @@ mod tests {
                 };
                 let mut need = (Vec3::INFINITY, Vec3::NEG_INFINITY);
                 for t in mesh.triangles() {
-                    let h = random.next() as f32;
-                    let [a, b] = [random.next() as f32, random.next() as f32];
+                    let h = random.range(0.0, 1.0);
+                    let [a, b] = [random.range(0.0, 1.0), random.range(0.0, 1.0)];
                     for h in [0.0, h, 1.0] {
                         let [p, q, r] = t.map(|v| at(v as usize, h));
                         for p in [p, q, r, p.lerp(q, a).lerp(r, b)] {
@@ -179,7 +180,7 @@ mod tests {
 
     #[test]
     fn at_rest_bounds_are_hardly_wider_than_those_of_the_mesh() {
-        let mesh = ball(6);
+        let mesh = ball(2);
         let skeleton = Skeleton::new(vec![Joint::at(None, Vec3::ONE), Joint::at(Some(0), Vec3::X)]).unwrap();
         let count = mesh.vertices().len();
         let weights =
@@ -204,7 +205,7 @@ mod tests {
             ..Joint::at(i.checked_sub(1), Vec3::ZERO)
         };
         let skeleton = Skeleton::new((0..6).map(joint).collect()).unwrap();
-        let (mesh, count) = (ball(2), ball(2).vertices().len());
+        let (mesh, count) = (ball(1), ball(1).vertices().len());
         let weights = Weights::new(&vec![[5; 4]; count], &vec![[1.0; 4]; count], &skeleton).unwrap();
         let fur = Fur::for_radius(1.0, 0.1, 0.2).unwrap();
         let posed = SkinBounds::new(&mesh, &weights).unwrap().posed(&Pose::rest(&skeleton), &fur);

@@ -28,7 +28,7 @@
 //! let turn = Track::new(vec![0.0, 1.0], turns, Interpolation::Linear)?;
 //! let clip = Clip::new(vec![(1, Channel::Rotation(turn))], &skeleton)?;
 //! let mut pose = Pose::rest(&skeleton);
-//! pose.set(&skeleton, &clip, 0.25, Ending::Loop);
+//! pose.set(&skeleton, &clip, 0.25);
 //! let fur = Fur::for_radius(placing.aabb_radius, 0.1, 0.2)?;
 //! let bounds = SkinBounds::new(&mesh, &weights)?.posed(&pose, &fur);
 //! let there = weights.blend(2, &pose).transform_point3(mesh.vertices()[2].position);
@@ -44,7 +44,7 @@ mod track;
 mod weights;
 
 pub use bounds::SkinBounds;
-pub use pose::{Ending, Pose};
+pub use pose::Pose;
 pub use skeleton::{Joint, Local, Skeleton};
 pub use track::{Channel, Clip, Interpolation, Keyed, Track};
 pub use weights::{PER_VERTEX, Weights};

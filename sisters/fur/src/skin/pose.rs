@@ -5,16 +5,6 @@ use glam::Affine3A;
 use super::skeleton::{Local, Skeleton};
 use super::track::{Channel, Clip};
 
-/// How a clip goes on behind its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Ending {
-    /// It begins anew.
-    #[default]
-    Loop,
-    /// It stays as it ends.
-    Clamp,
-}
-
 /// Where all joints of a skeleton are: for each a matrix from the mesh at rest to the posed mesh.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Pose {
@@ -27,20 +17,17 @@ impl Pose {
     /// A skeleton at rest.
     pub fn rest(skeleton: &Skeleton) -> Self {
         let mut pose = Self::default();
-        pose.set(skeleton, &Clip::default(), 0.0, Ending::Clamp);
+        pose.set(skeleton, &Clip::default(), 0.0);
         pose
     }
 
-    /// Sets it to that of a clip at a time in seconds, in the memory that it has. Times that are
-    /// not finite count as 0; channels of joints that the skeleton lacks move nothing. Costs a
-    /// binary search for each channel and two products of matrices for each joint.
-    pub fn set(&mut self, skeleton: &Skeleton, clip: &Clip, time: f64, ending: Ending) {
+    /// Sets it to that of a clip at a time in seconds, in the memory that it has. Clips begin anew
+    /// behind their end. Times that are not finite count as 0; channels of joints that the skeleton
+    /// lacks move nothing. Costs a binary search for each channel and two products of matrices for
+    /// each joint.
+    pub fn set(&mut self, skeleton: &Skeleton, clip: &Clip, time: f64) {
         let long = f64::from(clip.seconds());
-        let time = if time.is_finite() { time } else { 0.0 };
-        let time = match ending {
-            Ending::Loop if long > 0.0 => time.rem_euclid(long),
-            _ => time.clamp(0.0, long),
-        } as f32;
+        let time = if time.is_finite() && long > 0.0 { time.rem_euclid(long) as f32 } else { 0.0 };
         self.locals.clear();
         self.locals.extend(skeleton.joints().iter().map(|joint| joint.rest));
         for (joint, channel) in clip.channels() {
@@ -87,18 +74,10 @@ mod tests {
         assert!(pose.matrices().iter().all(|m| m.abs_diff_eq(Affine3A::IDENTITY, 1e-6)));
         let hand = |pose: &Pose| pose.matrices()[1].transform_point3(Vec3::X * 2.0);
         let way = |angle: f32| Quat::from_rotation_z(angle) * Vec3::X;
-        for (time, ending, there) in [
-            (1.0, Ending::Loop, 1.0),
-            (3.0, Ending::Loop, 1.0),
-            (-1.0, Ending::Loop, 1.0),
-            (3.0, Ending::Clamp, 2.0),
-            (-1.0, Ending::Clamp, 0.0),
-            (f64::NAN, Ending::Loop, 0.0),
-            (f64::INFINITY, Ending::Clamp, 0.0),
-        ] {
-            pose.set(&skeleton, &clip, time, ending);
+        for (time, there) in [(1.0, 1.0), (3.0, 1.0), (-0.5, 1.5), (f64::NAN, 0.0), (f64::INFINITY, 0.0)] {
+            pose.set(&skeleton, &clip, time);
             let want = way(0.5 * there) + way(-0.5 * there);
-            assert!(hand(&pose).distance(want) < 1e-5, "{time} {ending:?}: {}", hand(&pose));
+            assert!(hand(&pose).distance(want) < 1e-5, "{time}: {}", hand(&pose));
         }
         let far = Clip::new(vec![(2, turn(1.0))], &skeleton);
         assert_eq!(far.unwrap_err().to_string(), "channel 0 moves joint 2 of 2: numbers start at 0");

@@ -119,8 +119,9 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::samples::{ball, dice};
+    use crate::samples::ball;
     use crate::skin::Joint;
+    use casca_scenes::random::Dice;
 
     fn skeleton(joints: usize) -> Skeleton {
         Skeleton::new((0..joints).map(|i| Joint::at(i.checked_sub(1), Vec3::X)).collect()).unwrap()
@@ -149,9 +150,9 @@ mod tests {
 
     #[test]
     fn weights_follow_vertices_to_simplified_meshes() {
-        let (mesh, mut random) = (ball(8), dice(3));
+        let (mesh, mut random) = (ball(3), Dice::new(3, 0));
         let joints: Vec<[u32; 4]> =
-            mesh.vertices().iter().map(|_| [(random.next() * 5.0) as u32; 4]).collect();
+            mesh.vertices().iter().map(|_| [random.range(0.0, 5.0) as u32; 4]).collect();
         let weights = Weights::new(&joints, &vec![[1.0; 4]; joints.len()], &skeleton(5)).unwrap();
         let simple = mesh.levels(2).unwrap().remove(1);
         let carried = weights.carried(&mesh, &simple).unwrap();

@@ -213,14 +213,15 @@ pub fn unit(word: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::{ball, dice};
+    use crate::samples::ball;
+    use casca_scenes::random::Dice;
 
     #[test]
     fn layers_of_a_ball_are_balls_and_strands_stand_in_them() {
         let fur = Fur::for_radius(1.0, 0.3, 0.25).unwrap();
         assert!((0.5 * PI * fur.radius * fur.radius - 0.25).abs() < 1e-6 && fur.per_cell == 1);
         assert_eq!(Fur::for_radius(1.0, 0.3, 1.0).unwrap().per_cell, 4);
-        for v in ball(8).vertices() {
+        for v in ball(3).vertices() {
             // The normals of a ball of triangles are off by its corners' rounding.
             let up = v.position;
             for layer in 0..=16 {
@@ -234,10 +235,10 @@ mod tests {
 
     #[test]
     fn bent_strands_follow_their_tangents_and_stay_outside() {
-        let mut random = dice(6);
+        let mut random = Dice::new(6, 0);
         for _ in 0..1000 {
-            let fur = Fur { bend: random.point() * 2.0, ..Fur::for_radius(1.0, 0.3, 0.25).unwrap() };
-            let (p, n, h) = (random.point(), random.direction(), random.next() as f32);
+            let fur = Fur { bend: random.ball() * 2.0, ..Fur::for_radius(1.0, 0.3, 0.25).unwrap() };
+            let (p, n, h) = (random.ball(), random.ball().normalize(), random.range(0.0, 1.0));
             let step = fur.extruded(p, n, h + 1e-2) - fur.extruded(p, n, h - 1e-2);
             assert!(step.normalize().distance(fur.tangent(n, h)) < 1e-3);
             // Each layer is as high above the surface as a straight one, and no farther than the

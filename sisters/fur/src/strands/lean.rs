@@ -89,22 +89,22 @@ mod tests {
     use glam::Quat;
 
     use super::*;
-    use crate::samples::dice;
+    use casca_scenes::random::Dice;
 
     #[test]
     fn tips_stay_within_the_reach_however_strands_lean() {
-        let mut random = dice(8);
+        let mut random = Dice::new(8, 0);
         let mut farthest = 0f32;
         for case in 0..20_000 {
-            let fur = Fur { bend: random.point() * 2.0, ..Fur::for_radius(1.0, 0.3, 0.25).unwrap() };
-            let most = if case % 10 == 0 { 0.0 } else { 4.0 * random.next() as f32 };
-            let lean = Lean { towards: random.point() * 100f32.powf(random.next() as f32), most };
-            let turn = Quat::from_axis_angle(random.direction(), (random.next() * 6.0) as f32);
-            let axes = Mat3::from_quat(turn) * Mat3::from_diagonal(random.point() * 3.0);
-            let bends = [0; 3].map(|_| lean.bend(fur.bend, axes * (0.5 + random.next() as f32)));
-            let bend = bends[0].lerp(bends[1], random.next() as f32).lerp(bends[2], random.next() as f32);
+            let fur = Fur { bend: random.ball() * 2.0, ..Fur::for_radius(1.0, 0.3, 0.25).unwrap() };
+            let most = if case % 10 == 0 { 0.0 } else { 4.0 * random.range(0.0, 1.0) };
+            let lean = Lean { towards: random.ball() * 100f32.powf(random.range(0.0, 1.0)), most };
+            let turn = Quat::from_axis_angle(random.ball().normalize(), random.range(0.0, 6.0));
+            let axes = Mat3::from_quat(turn) * Mat3::from_diagonal(random.ball() * 3.0);
+            let bends = [0; 3].map(|_| lean.bend(fur.bend, axes * (0.5 + random.range(0.0, 1.0))));
+            let bend = bends[0].lerp(bends[1], random.range(0.0, 1.0)).lerp(bends[2], random.range(0.0, 1.0));
             let bent = Fur { bend, ..fur };
-            let (p, n, h) = (random.point(), random.direction(), random.next() as f32);
+            let (p, n, h) = (random.ball(), random.ball().normalize(), random.range(0.0, 1.0));
             let reach = fur.leaning(most).unwrap().reach(1.0);
             let way = (bent.extruded(p, n, h) - p).length().max((bent.extruded(p, n, 1.0) - p).length());
             assert!(way <= reach, "{lean:?}: {way} > {reach}");
@@ -116,10 +116,10 @@ mod tests {
     #[test]
     fn strands_lean_in_the_world_however_their_skin_is_turned() {
         let lean = Lean { towards: Vec3::NEG_Y, most: 1.0 };
-        let mut random = dice(2);
+        let mut random = Dice::new(2, 0);
         for _ in 0..100 {
-            let turn = Quat::from_axis_angle(random.direction(), (random.next() * 6.0) as f32);
-            let scale = 0.1 + random.next() as f32;
+            let turn = Quat::from_axis_angle(random.ball().normalize(), random.range(0.0, 6.0));
+            let scale = 0.1 + random.range(0.0, 1.0);
             let bend = lean.bend(Vec3::ZERO, Mat3::from_quat(turn) * scale);
             assert!((turn * bend).distance(Vec3::NEG_Y) < 1e-5);
         }

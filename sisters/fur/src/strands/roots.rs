@@ -244,7 +244,7 @@ mod tests {
         let turned = |v: &Vertex| Vertex { position: turn * v.position + 0.013, normal: turn * v.normal };
         let turned = flat.vertices().iter().map(turned).collect();
         let turned = Mesh::new(turned, Vec::new(), flat.triangles().to_vec()).unwrap();
-        for mesh in [flat, turned, ball(24), torus_mesh(96)] {
+        for mesh in [flat, turned, ball(4), torus_mesh(96)] {
             for per_cell in [1, 3] {
                 let fur = Fur { spacing: 0.05, per_cell, ..Fur::for_radius(1.0, 0.05, 0.1).unwrap() };
                 let found = roots(&mesh, &fur).unwrap();
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn roots_stand_on_the_surface_and_bad_parameters_are_refused() {
-        let (mesh, fur) = (ball(24), Fur::for_radius(1.0, 0.1, 0.2).unwrap());
+        let (mesh, fur) = (ball(4), Fur::for_radius(1.0, 0.1, 0.2).unwrap());
         for root in roots(&mesh, &fur).unwrap() {
             assert!(
                 (root.position.length() - 1.0).abs() < 3e-3

@@ -145,7 +145,8 @@ mod tests {
 
     use super::*;
     use crate::mesh::{Vertex, weld};
-    use crate::samples::{ball, cube, dice};
+    use crate::samples::{ball, cube};
+    use casca_scenes::random::Dice;
 
     fn scene() -> Scene {
         Scene::new(0.25).unwrap()
@@ -163,7 +164,7 @@ mod tests {
     fn tips_behind_the_edge_of_a_wall_are_seen() {
         let wall = Aabb::new(Vec3::new(-5.0, 0.0, -0.1), Vec3::new(5.0, 2.0, 0.1));
         let eye = Vec3::new(0.0, 1.9, 5.0);
-        let mesh = ball(8);
+        let mesh = ball(3);
         let straight = fur(0.6, Vec3::ZERO);
         let bent = fur(0.4, Vec3::Y * 4.0);
         let cases = [
@@ -189,13 +190,13 @@ mod tests {
 
     #[test]
     fn bounds_contain_every_layer() {
-        let mesh = ball(6);
-        let mut random = dice(4);
+        let mesh = ball(2);
+        let mut random = Dice::new(4, 0);
         for _ in 0..100 {
-            let fur = fur(0.3 * random.next() as f32, random.point() * 2.0);
+            let fur = fur(0.3 * random.range(0.0, 1.0), random.ball() * 2.0);
             let bounds = inflate(mesh.aabb(), fur.reach(1.0));
             for v in mesh.vertices() {
-                let heights = [random.next() as f32, 1.0];
+                let heights = [random.range(0.0, 1.0), 1.0];
                 assert!(
                     heights.iter().all(|&h| bounds.contains(fur.extruded(v.position, v.normal, h))),
                     "{fur:?}"
@@ -210,7 +211,7 @@ mod tests {
 
     #[test]
     fn the_base_hides_and_the_fur_does_not() {
-        let mesh = ball(8);
+        let mesh = ball(3);
         let hides = base_occluder(&mesh).unwrap();
         let mut scene = scene();
         let desc =
@@ -228,7 +229,7 @@ mod tests {
 
     #[test]
     fn inner_balls_lie_inside_all_meshes() {
-        let (fine, turn) = (ball(16), glam::Quat::from_rotation_y(0.5));
+        let (fine, turn) = (ball(4), glam::Quat::from_rotation_y(0.5));
         // A turned box on top of the ball.
         let upper = |v: &Vertex| Vertex::at(turn * (v.position * 2.0 + Vec3::Y * 2.0));
         let upper: Vec<Vertex> = cube(1.0).iter().map(upper).collect();

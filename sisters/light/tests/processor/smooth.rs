@@ -72,7 +72,7 @@ fn links_that_are_found_part_by_part_are_those_found_at_once() {
     let board = |at: V| cuboid(at, at + V::new(0.02, 0.9, 1.2), 0);
     let objects = vec![room(V::ZERO, V::new(4.0, 3.0, 2.0), 0).into(), board(V::new(0.3, 0.0, 0.4)).into()];
     let s = Scene { objects, ..scene(vec![], vec![matt(0.6)], vec![lamp(V::new(2.0, 2.5, 1.0), 5.0)], 0.0) };
-    let settings = Settings { threads: 2, ..Settings::new(Grid::around(&s.objects, 20)) };
+    let settings = Settings::new(Grid::around(&s.objects, 20));
     let ended = |smooths: bool| {
         let mut cache = Cache::new(&s, settings).unwrap();
         let smooth = |cache: &mut Cache| (0..u32::from(smooths)).for_each(|_| cache.smooth(1));

@@ -1,3 +1,4 @@
+use casca_truth::cases;
 use glam::{DVec3, UVec3, Vec3, vec3};
 use proptest::prelude::*;
 
@@ -5,7 +6,7 @@ use super::*;
 use crate::directions::decoded;
 use crate::numeric::MOST_IN_ROW;
 use crate::sets::random::Random;
-use crate::testing::{cases, coordinate};
+use crate::testing::coordinate;
 
 fn random_set(lines: u32, long: f64, seed: u64) -> LineSet {
     let mut random = Random::new(seed);

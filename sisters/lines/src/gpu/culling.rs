@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn after_a_refused_reach_or_motion_no_view_is_answered_from_old_bounds() {
-        let bundle = |at: Vec3| Bundle::of_bounds([at, at + 0.1]);
+        let bundle = |at: Vec3| Bundle { bounds: [at, at + 0.1], first: 0, segments: 1 };
         let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [64, 48]).unwrap();
         let mut culling = Culling::new(&[bundle(Vec3::ZERO), bundle(Vec3::X * 0.5)], &[]).unwrap();
         assert_eq!(culling.look(&view, 0.1).unwrap().drawn, [0, 1]);

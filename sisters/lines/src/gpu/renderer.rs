@@ -76,7 +76,7 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`].
     pub fn set_settings(&mut self, gpu: &Gpu, settings: Settings) -> Result<(), LinesGpuError> {
-        let of_samples = |s: &Settings| (s.samples, s.sets, s.seed);
+        let of_samples = |s: &Settings| (s.samples, s.sets);
         settings.check()?;
         if of_samples(&settings) != of_samples(&self.settings) {
             self.samples = samples(gpu, &settings)?;
@@ -217,7 +217,7 @@ impl Renderer {
 
 fn samples(gpu: &Gpu, settings: &Settings) -> Result<Buffer, LinesGpuError> {
     settings.check()?;
-    let sets = SampleSets::spirals(settings.samples, settings.sets, settings.seed)?;
+    let sets = SampleSets::spirals(settings.samples, settings.sets)?;
     let flat: Vec<[f32; 2]> = sets.all().iter().map(|p| p.to_array()).collect();
     Ok(filled(gpu, &flat, BufferUsages::STORAGE)?)
 }

@@ -30,17 +30,9 @@ pub struct Bundle {
     /// The least and the greatest corner of its bounds.
     pub bounds: [Vec3; 2],
     /// Its first segment in the order of bundles.
-    first: u32,
+    pub(super) first: u32,
     /// The number of its segments.
     pub segments: u32,
-}
-
-#[cfg(test)]
-impl Bundle {
-    /// Of bounds alone.
-    pub(super) fn of_bounds(bounds: [Vec3; 2]) -> Self {
-        Self { bounds, first: 0, segments: 1 }
-    }
 }
 
 /// Lines in the memory of a device.

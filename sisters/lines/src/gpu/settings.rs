@@ -17,8 +17,6 @@ pub struct Settings {
     pub samples: u32,
     /// Sets of their directions.
     pub sets: u32,
-    /// Seed of the sets.
-    pub seed: u64,
     /// Whether borders of lines are smooth.
     pub antialiasing: Antialiasing,
 }
@@ -28,7 +26,7 @@ impl Settings {
     /// moves, [`Self::of_places`] costs a tenth.
     pub fn new(radius: f32, line_radius: f32) -> Self {
         let ao = AoOptions::rays(radius, line_radius);
-        Self { ao, samples: USUAL_RAYS, sets: 16, seed: 1, antialiasing: Antialiasing::None }
+        Self { ao, samples: USUAL_RAYS, sets: 16, antialiasing: Antialiasing::None }
     }
 
     /// Rays from places along the lines: [`USUAL_SIDE_RAYS`] of a side of a place.

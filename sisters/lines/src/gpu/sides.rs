@@ -31,7 +31,7 @@ pub(super) struct GpuSides {
 }
 
 /// The settings that values depend on.
-type Known = (AoOptions, [u32; 2], u64);
+type Known = (AoOptions, [u32; 2]);
 
 impl GpuSides {
     /// Places that are `step` apart.
@@ -80,8 +80,8 @@ impl GpuSides {
 
     /// Whether values must be computed anew; from then on they are those of these settings.
     fn is_new(&self, settings: &Settings) -> bool {
-        let Settings { ao, samples, sets, seed, .. } = *settings;
-        let now = Some((ao, [samples, sets], seed));
+        let Settings { ao, samples, sets, .. } = *settings;
+        let now = Some((ao, [samples, sets]));
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::replace(&mut *known, now) != now
     }

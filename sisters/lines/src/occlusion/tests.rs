@@ -10,7 +10,7 @@ use crate::view::Lens;
 /// The occlusion by rays of each pixel with a line.
 fn run(lines: &LineSet, view: &View, [radius, tube]: [f32; 2]) -> Vec<Option<f32>> {
     let options = AoOptions::rays(radius, tube);
-    let (cells, samples) = (Cells::new(lines, options.margin()), SampleSets::spirals(60, 8, 1).unwrap());
+    let (cells, samples) = (Cells::new(lines, options.margin()), SampleSets::spirals(60, 8).unwrap());
     let rays = Occlusion::by_rays(&cells, view, &samples, options).unwrap();
     nearest_lines(lines, view).iter().map(|f| f.as_ref().map(|f| rays.at(f))).collect()
 }
@@ -70,7 +70,7 @@ fn estimates_do_not_depend_on_the_unit_of_length() {
 fn options_and_receivers_out_of_range_give_errors_or_numbers() {
     let lines = LineSet::new([[Vec3::ZERO, Vec3::X], [Vec3::Y, Vec3::Z]]).unwrap();
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, Some(0.6), [8; 2]).unwrap();
-    let (samples, cells) = (SampleSets::spirals(9, 2, 1).unwrap(), Cells::new(&lines, 0.1));
+    let (samples, cells) = (SampleSets::spirals(9, 2).unwrap(), Cells::new(&lines, 0.1));
     let rays = |options| Occlusion::by_rays(&cells, &view, &samples, options);
     let sides = |options| Sides::new(&lines, &cells, &samples, options).map(|_| ());
     for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {

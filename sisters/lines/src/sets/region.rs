@@ -112,11 +112,11 @@ impl LineSet {
 
 #[cfg(test)]
 mod tests {
+    use casca_truth::cases;
     use glam::vec3;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::testing::cases;
 
     const CUBE: Region = Region::Box { min: Vec3::ZERO, max: Vec3::ONE };
     const BALL: Region = Region::Sphere { middle: Vec3::ZERO, radius: 5.0 };

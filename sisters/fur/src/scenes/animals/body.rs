@@ -1,8 +1,8 @@
 //! The solid of an animal: round cones that melt into each other, and the coat of each part.
 
+use casca_scenes::random::generator;
 use glam::Vec3;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 
 use crate::mesh::Coat;
 
@@ -84,7 +84,7 @@ const COATS: [([[f32; 3]; 3], f32); 6] = [
 
 impl Body {
     pub(super) fn new(seed: u64) -> Self {
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut random = generator(seed, 0);
         let mut vary =
             |middle: f32, share: f32| middle * (1.0 + share * (2.0 * random.random::<f32>() - 1.0));
         let (long, fat, tall) = (vary(0.30, 0.15), vary(0.19, 0.18), vary(0.34, 0.22));

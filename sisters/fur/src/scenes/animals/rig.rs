@@ -125,7 +125,7 @@ fn walk(skeleton: &Skeleton) -> Result<Clip, Error> {
 
 #[cfg(test)]
 mod tests {
-    use crate::skin::{Ending, Pose};
+    use crate::skin::Pose;
 
     use super::super::animal::Animal;
 
@@ -142,7 +142,7 @@ mod tests {
                 assert!(rested.distance(vertex.position) < 1e-5);
             }
             for step in 0..12 {
-                pose.set(&rig.skeleton, &rig.walk, f64::from(step) / 12.0, Ending::Loop);
+                pose.set(&rig.skeleton, &rig.walk, f64::from(step) / 12.0);
                 for (v, vertex) in mesh.vertices().iter().enumerate() {
                     let there = rig.weights[0].blend(v, &pose).transform_point3(vertex.position);
                     ways[v] = ways[v].max(there.distance(vertex.position));

@@ -1,11 +1,11 @@
 //! Pictures with and without culling, and views of scenes.
 
+use casca_truth::cases;
 use proptest::prelude::*;
 
 use super::*;
 use crate::gpu::lens::view_of_scene;
 use crate::sets::rooms::House;
-use crate::testing::cases;
 use crate::view::Lens;
 
 #[test]

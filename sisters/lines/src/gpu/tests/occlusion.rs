@@ -43,7 +43,7 @@ fn the_occlusion_is_that_of_the_processor() {
             // The same receivers: others are the matter of another test.
             let receivers = renderer.read_fragments(&gpu).unwrap();
             let cells = Cells::new(&lines, settings.ao.margin());
-            let samples = SampleSets::spirals(settings.samples, settings.sets, settings.seed).unwrap();
+            let samples = SampleSets::spirals(settings.samples, settings.sets).unwrap();
             let sides = by_places.then(|| Sides::new(&lines, &cells, &samples, settings.ao).unwrap());
             let occlusion = match &sides {
                 Some(sides) => Occlusion::by_places(sides, &view),

@@ -38,7 +38,6 @@ fn other_settings_and_other_lines_are_computed_anew() {
     let settings = Settings::of_places(0.3, 0.01);
     let view = views(first.bounds())[1];
     let changed = [
-        Settings { seed: 2, ..settings },
         Settings { samples: 8, ..settings },
         Settings { sets: 3, ..settings },
         Settings { ao: AoOptions { radius: 0.2, ..settings.ao }, ..settings },

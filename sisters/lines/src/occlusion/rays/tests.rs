@@ -101,7 +101,7 @@ fn thin_rays_stop_at_the_tubes_and_balls_that_small_steps_meet() {
 fn splitting_straight_lines_changes_nothing_and_a_bend_is_round_whatever_the_width() {
     let whole = short_lines(3000, 0.3, 9);
     let split = LineSet::new(whole.iter().map(|l| (0..=9).map(|i| l[0].lerp(l[1], i as f32 / 9.0)))).unwrap();
-    let samples = SampleSets::spirals(24, 8, 1).unwrap();
+    let samples = SampleSets::spirals(24, 8).unwrap();
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [32; 2]).unwrap();
     let values = |lines: &LineSet| -> Vec<f32> {
         let cells = Cells::new(lines, 0.012);
@@ -138,7 +138,7 @@ fn in_a_fog_of_lines_as_much_is_stopped_as_known_however_wide_rays_are() {
     for margin in [0.004, 0.012, 0.03] {
         let cells = Cells::new(&lines, margin);
         for rays in [16, 64] {
-            let samples = SampleSets::spirals(rays, 8, 1).unwrap();
+            let samples = SampleSets::spirals(rays, 8).unwrap();
             let occlusion = Occlusion::by_rays(&cells, &view, &samples, AoOptions::rays(0.4, 0.004)).unwrap();
             let at = |i: usize| occlusion.at(&receiver(&view, i));
             all.push((0..1000).map(at).sum::<f32>() / 1000.0);
@@ -152,7 +152,7 @@ fn in_a_fog_of_lines_as_much_is_stopped_as_known_however_wide_rays_are() {
 #[test]
 fn a_line_alone_is_open_and_half_of_the_sky_behind_a_wall_is_hidden() {
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [32; 2]).unwrap();
-    let samples = SampleSets::spirals(400, 1, 1).unwrap();
+    let samples = SampleSets::spirals(400, 1).unwrap();
     let at = |lines: &LineSet, tangent: Vec3, margin: f32| {
         let cells = Cells::new(lines, margin);
         let occlusion = Occlusion::by_rays(&cells, &view, &samples, AoOptions::rays(1.0, 0.01)).unwrap();
@@ -179,7 +179,7 @@ fn a_line_alone_is_open_and_half_of_the_sky_behind_a_wall_is_hidden() {
 #[test]
 fn solid_tubes_of_other_lines_stop_rays_that_start_in_them() {
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [32; 2]).unwrap();
-    let samples = SampleSets::spirals(60, 1, 1).unwrap();
+    let samples = SampleSets::spirals(60, 1).unwrap();
     // A line whose bend is narrower than its tube, and one beside its other end. The rays start
     // 0.101 above the middle of the line.
     let bent = vec![vec3(0.0, 0.05, 0.08), Vec3::ZERO, Vec3::X * 0.9];

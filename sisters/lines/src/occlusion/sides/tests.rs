@@ -8,7 +8,7 @@ use crate::numeric::PLACE_STEP;
 #[test]
 fn pixels_take_the_places_beside_them_and_the_sides_beside_their_pole() {
     let lines = LineSet::new([vec![Vec3::ONE], vec![Vec3::ZERO, Vec3::X]]).unwrap();
-    let (cells, samples) = (Cells::new(&lines, 0.1), SampleSets::spirals(4, 2, 1).unwrap());
+    let (cells, samples) = (Cells::new(&lines, 0.1), SampleSets::spirals(4, 2).unwrap());
     let options = AoOptions::places(0.25 / PLACE_STEP, 0.1);
     let sides = Sides::new(&lines, &cells, &samples, options).unwrap();
     let (across, up) = Vec3::X.any_orthonormal_pair();
@@ -45,7 +45,7 @@ fn a_wall_hides_the_sides_that_face_it() {
     let wall = (-300..300).map(|i| vec![vec3(-3.0, i as f32 * 0.01, 0.51), vec3(3.0, i as f32 * 0.01, 0.51)]);
     let lines = LineSet::new(std::iter::once(own).chain(wall)).unwrap();
     let cells = Cells::new(&lines, 0.01);
-    let samples = SampleSets::spirals(400, 1, 1).unwrap();
+    let samples = SampleSets::spirals(400, 1).unwrap();
     let sides = Sides::new(&lines, &cells, &samples, AoOptions::places(1.0, 0.01)).unwrap();
     // sin(60 degrees)^2 of the rays, as for rays of pixels.
     for along in [0.63, 1.0, 1.27] {

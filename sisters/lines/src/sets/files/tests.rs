@@ -1,11 +1,11 @@
 use std::fmt::Write;
 
+use casca_truth::cases;
 use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
 use crate::sets::attributes::Of;
-use crate::testing::cases;
 
 #[path = "../../../tests/files/formats.rs"]
 mod formats;
