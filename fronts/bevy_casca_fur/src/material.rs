@@ -21,7 +21,7 @@ use bevy_render::render_resource::{
 };
 use bevy_render::renderer::RenderDevice;
 use bevy_shader::{Shader, ShaderRef};
-use casca_fur::shader::{SLAB, STRANDS, look};
+use casca_fur::shader::{LOOKUP, SLAB, STRANDS, look};
 use casca_fur::shading::Material;
 use casca_fur::strands::{Fur, MAX_PER_CELL, PERIOD, TEXELS};
 
@@ -146,7 +146,7 @@ const SHADER: Handle<Shader> = uuid_handle!("7f0c2a54-4f4b-4f0e-9a43-5d0f3b7f8c1
 
 /// The shader: the rule of strands from casca-fur, and how Bevy draws it.
 pub(crate) fn shader() -> (Handle<Shader>, Shader) {
-    let text = [include_str!("fur.wesl"), STRANDS, SLAB].concat();
+    let text = [include_str!("fur.wesl"), STRANDS, LOOKUP, SLAB].concat();
     (SHADER, Shader::from_wesl(text, "embedded://bevy_casca_fur/fur.wesl"))
 }
 

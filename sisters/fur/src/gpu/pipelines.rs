@@ -8,12 +8,19 @@ use casca_stage::wgpu::{
 use crate::gpu::buffers::Follower;
 use crate::gpu::look::Corner;
 use crate::gpu::records::Block;
-use crate::shader::{SLAB, STRANDS};
+use crate::shader::{LOOKUP, SLAB, STRANDS};
 
 /// The shaders.
 pub(super) fn shaders() -> String {
-    [STRANDS, SLAB, include_str!("surroundings.wgsl"), include_str!("pose.wgsl"), include_str!("shells.wgsl")]
-        .concat()
+    [
+        STRANDS,
+        LOOKUP,
+        SLAB,
+        include_str!("surroundings.wgsl"),
+        include_str!("pose.wgsl"),
+        include_str!("shells.wgsl"),
+    ]
+    .concat()
 }
 
 /// Makes pipelines: for pictures, or for the shadow map if there is no fragment shader with

@@ -10,7 +10,7 @@ use glam::{Mat3, Quat, Vec3, Vec4};
 use crate::gpu::look::Look;
 use crate::gpu::records::rows_of;
 use crate::samples::ball;
-use crate::shader::{SLAB, STRANDS};
+use crate::shader::{LOOKUP, SLAB, STRANDS};
 use crate::shading::kajiya_kay;
 use crate::skin::{Channel, Clip, Interpolation, Joint, Pose, Skeleton, Track, Weights};
 use crate::strands::{Fur, Lean, Root, hash, roots, unit};
@@ -72,7 +72,7 @@ fn of_points<const N: usize>(
     let look = filled(gpu, &look.words(), BufferUsages::UNIFORM).unwrap();
     let flat = filled(gpu, &flat, BufferUsages::STORAGE).unwrap();
     let bound = [(0, &look), (1, &flat), (3, &table)];
-    let bound = if shader.0.contains(SLAB) { &bound[..] } else { &bound[..2] };
+    let bound = if shader.0.contains(LOOKUP) { &bound[..] } else { &bound[..2] };
     computed(gpu, shader, bound, (2, bytes * points.len()), points.len())
 }
 
@@ -199,7 +199,7 @@ fn rays_meet_the_strand_in_which_their_points_first_lie() {
         let wanted: Vec<_> = rays.iter().map(|ray| ray.first(&fur, &roots)).collect();
         let words: Vec<[Vec4; 2]> =
             rays.iter().map(|ray| [ray.base.extend(ray.layers), ray.way.extend(ray.layer)]).collect();
-        let source = [STRANDS, SLAB, RAYS].concat();
+        let source = [STRANDS, LOOKUP, SLAB, RAYS].concat();
         let bytes = of_points(&gpu, (source, "follow"), &Look::new(fur), &words, 16);
         let answers: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let differ = |(want, got): &(&Option<(u32, f32)>, [f32; 4])| match want {
