@@ -1,5 +1,6 @@
-//! Shells beside the same strands, ray-traced: the error by height and layers, and the time; needs
-//! a graphics adapter. `study coats.png` draws six coats beside their strands instead.
+//! Shells beside the same strands, ray-traced: the error by height and layers, and the time, of
+//! fragments that look one strand up and of those that walk along their rays; needs a graphics
+//! adapter. `study coats.png` draws six coats beside their strands instead.
 //!
 //! `cargo run --release -p casca-fur --features gpu,scenes --example study` writes the tables of the
 //! README. All pictures sample each pixel at 2x2 places.
@@ -62,8 +63,8 @@ fn errors(want: &[u8], got: &[u8]) -> [f64; 2] {
 }
 
 /// A renderer for a furry animal at a level of detail.
-fn grown(gpu: &Gpu, mesh: &Mesh, fur: Fur) -> Result<Renderer, Box<dyn Error>> {
-    Ok(Renderer::new(gpu, COLOUR, std::slice::from_ref(mesh), &Look::new(fur))?)
+fn grown(gpu: &Gpu, mesh: &Mesh, fur: Fur, walked: bool) -> Result<Renderer, Box<dyn Error>> {
+    Ok(Renderer::new(gpu, COLOUR, std::slice::from_ref(mesh), &Look { walked, ..Look::new(fur) })?)
 }
 
 /// The animal in the colours of its mesh, times those of roots and tips, with so many layers.
@@ -87,7 +88,7 @@ fn study(gpu: &Gpu, animal: &Animal) -> Result<(), Box<dyn Error>> {
     // The shoulder and the head from so near that strands are some pixels wide.
     let camera = camera(radius, Vec3::new(0.75, 0.55, 1.0), Vec3::new(0.35, 0.2, 0.15), 38.0);
     let canvas = Canvas::new(gpu, (2 * SIZE.0, 2 * SIZE.1));
-    println!("| height | layers | RMSE | away from outlines |\n|---|---|---|---|");
+    println!("| height | rays | layers | RMSE | away from outlines |\n|---|---|---|---|---|");
     for height in HEIGHTS {
         let fur = Fur::for_radius(radius, height, DENSITY)?;
         let fur = Fur { bend: Vec3::new(-0.49, -0.49, 0.0), ..fur };
@@ -95,40 +96,46 @@ fn study(gpu: &Gpu, animal: &Animal) -> Result<(), Box<dyn Error>> {
         let picture = |side| strands.picture(&camera, SIZE, side, &[ROOT, TIP], TO_SUN.normalize());
         let truth = picture(2);
         let [all, inside] = errors(&truth, &picture(3));
-        println!("| {height} | strands, at 3x3 places | {all:.3} | {inside:.3} |");
-        let mut renderer = grown(gpu, mesh, fur)?;
-        for layers in LAYERS {
-            let shells = list(ROOT, TIP, layers);
-            renderer.draw(gpu, &canvas.picture(), &camera, &shells, &sun(radius, false))?;
-            let shells = halved(&canvas.read_picture(gpu)?, canvas.size());
-            let [all, inside] = errors(&truth, &shells);
-            println!("| {height} | {layers} | {all:.3} | {inside:.3} |");
+        println!("| {height} | of strands, at 3x3 places | | {all:.3} | {inside:.3} |");
+        for (walked, way) in [(false, "looked up"), (true, "walked along")] {
+            let mut renderer = grown(gpu, mesh, fur, walked)?;
+            for layers in LAYERS {
+                let shells = list(ROOT, TIP, layers);
+                renderer.draw(gpu, &canvas.picture(), &camera, &shells, &sun(radius, false))?;
+                let shells = halved(&canvas.read_picture(gpu)?, canvas.size());
+                let [all, inside] = errors(&truth, &shells);
+                println!("| {height} | {way} | {layers} | {all:.3} | {inside:.3} |");
+            }
         }
     }
     Ok(())
 }
 
-/// The least time of three of the shadow map and of a picture of 640x480 with 16 layers.
+/// The least time of three, in turn, of the shadow map and of a picture of 640x480 with 16 layers.
 fn cost(gpu: &Gpu, animal: &Animal) -> Result<(), Box<dyn Error>> {
     let radius = animal.radius();
     let fur = Fur { spacing: 0.011 * radius, ..Fur::for_radius(radius, 0.08, 0.45)? };
     let camera = camera(radius, Vec3::new(1.1, 0.4, 1.35), Vec3::new(0.05, 0.0, 0.0), 50.0);
     let (canvas, shells) = (Canvas::new(gpu, (640, 480)), list(ROOT, TIP, 16));
-    println!("| level of detail | shadow map, ms | picture, ms |\n|---|---|---|");
+    println!("| level of detail | rays | shadow map, ms | picture, ms |\n|---|---|---|---|");
     for (level, mesh) in animal.levels().iter().enumerate().take(2) {
-        let mut best = [f64::INFINITY; 2];
-        let mut renderer = grown(gpu, mesh, fur)?;
+        let mut best = [[f64::INFINITY; 2]; 2];
+        let mut renderers = [grown(gpu, mesh, fur, false)?, grown(gpu, mesh, fur, true)?];
         for _ in 0..3 {
-            let mut times = [threads(); 3];
-            renderer.cast_shadows(gpu, &shells, &sun(radius, true))?;
-            gpu.wait()?;
-            times[1] = threads();
-            renderer.draw(gpu, &canvas.picture(), &camera, &shells, &sun(radius, true))?;
-            gpu.wait()?;
-            times[2] = threads();
-            best = std::array::from_fn(|i| best[i].min(times[i + 1] - times[i]));
+            for (renderer, best) in renderers.iter_mut().zip(&mut best) {
+                let mut times = [threads(); 3];
+                renderer.cast_shadows(gpu, &shells, &sun(radius, true))?;
+                gpu.wait()?;
+                times[1] = threads();
+                renderer.draw(gpu, &canvas.picture(), &camera, &shells, &sun(radius, true))?;
+                gpu.wait()?;
+                times[2] = threads();
+                *best = std::array::from_fn(|i| best[i].min(times[i + 1] - times[i]));
+            }
         }
-        println!("| {level} | {:.0} | {:.0} |", best[0], best[1]);
+        for (way, [shadows, picture]) in ["looked up", "walked along"].iter().zip(best) {
+            println!("| {level} | {way} | {shadows:.0} | {picture:.0} |");
+        }
     }
     Ok(())
 }
@@ -156,7 +163,7 @@ fn coats(gpu: &Gpu, path: &Path) -> Result<(), Box<dyn Error>> {
         let fur = Fur { spacing: spacing * radius, bend, clump, curl, ..fur };
         let camera = camera(radius, Vec3::new(0.85, 0.34, 0.94), Vec3::new(0.15, 0.05, 0.0), 50.0);
         let shells = list(ROOT, tip, 32);
-        grown(gpu, mesh, fur)?.draw(gpu, &canvas.picture(), &camera, &shells, &sun(radius, false))?;
+        grown(gpu, mesh, fur, false)?.draw(gpu, &canvas.picture(), &camera, &shells, &sun(radius, false))?;
         let shells = halved(&canvas.read_picture(gpu)?, canvas.size());
         let strands = Reference::new(mesh, &Look::new(fur))?;
         let traced = strands.picture(&camera, size, 2, &[ROOT, tip], TO_SUN.normalize());

@@ -12,6 +12,9 @@ use glam::Vec3;
 pub struct Look {
     /// The strands.
     pub fur: Fur,
+    /// Whether a fragment walks along its ray from cell to cell until it meets a strand, for studies.
+    /// Without it a fragment looks one strand up, the one next to its way.
+    pub walked: bool,
     /// How strands throw light back.
     pub material: Material,
     /// How much strands differ in colour, 0 to 1.
@@ -19,9 +22,9 @@ pub struct Look {
 }
 
 impl Look {
-    /// The usual light.
+    /// One look-up a fragment and the usual light.
     pub fn new(fur: Fur) -> Self {
-        Self { fur, material: Material::default(), vary: 0.22 }
+        Self { fur, walked: false, material: Material::default(), vary: 0.22 }
     }
 
     pub(crate) fn words(&self) -> [u32; 20] {

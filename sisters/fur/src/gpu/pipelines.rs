@@ -10,11 +10,14 @@ use crate::gpu::look::Corner;
 use crate::gpu::records::Block;
 use crate::shader::{LOOKUP, SLAB, STRANDS};
 
-/// The shaders.
-pub(super) fn shaders() -> String {
+/// In the place of [`LOOKUP`], for studies: a fragment walks along its ray from cell to cell.
+pub(super) const WALK: &str = include_str!("walk.wgsl");
+
+/// The shaders: fragments look one strand up, or walk along their rays for studies.
+pub(super) fn shaders(walked: bool) -> String {
     [
         STRANDS,
-        LOOKUP,
+        if walked { WALK } else { LOOKUP },
         SLAB,
         include_str!("surroundings.wgsl"),
         include_str!("pose.wgsl"),

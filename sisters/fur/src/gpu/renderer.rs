@@ -27,6 +27,8 @@ pub struct Renderer {
     /// For pictures, and for the shadow map.
     pipelines: [Drawing; 2],
     layouts: [wgpu::BindGroupLayout; 2],
+    samples: u32,
+    walked: bool,
     frame: wgpu::Buffer,
     look: wgpu::Buffer,
     strands: wgpu::Texture,
@@ -123,8 +125,10 @@ impl Renderer {
         let look_group =
             look_group(device, &layouts[1], [&look_buffer, &records.buffer, &joints.buffer], &strands);
         let mut renderer = Self {
-            pipelines: pipelines(device, &layouts, format, samples),
+            pipelines: pipelines(device, &layouts, format, samples, look.walked),
             format,
+            samples,
+            walked: look.walked,
             strands,
             layouts,
             frame,
@@ -152,6 +156,10 @@ impl Renderer {
 
     /// Changes the look of all meshes.
     pub fn set_look(&mut self, gpu: &Gpu, look: &Look) {
+        if look.walked != self.walked {
+            self.walked = look.walked;
+            self.pipelines = pipelines(&gpu.device, &self.layouts, self.format, self.samples, look.walked);
+        }
         let size = self.strands.size();
         gpu.queue.write_texture(
             self.strands.as_image_copy(),
@@ -321,12 +329,13 @@ fn pipelines(
     layouts: &[wgpu::BindGroupLayout; 2],
     format: TextureFormat,
     samples: u32,
+    walked: bool,
 ) -> [Drawing; 2] {
     let made = Pipelines {
         device,
         shaders: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("fur"),
-            source: wgpu::ShaderSource::Wgsl(shaders().into()),
+            source: wgpu::ShaderSource::Wgsl(shaders(walked).into()),
         }),
         samples,
         layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
