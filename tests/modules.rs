@@ -51,7 +51,7 @@ const MOST: [(&str, usize); 33] = [
     ("crates/slots", 650),
     ("crates/tools", 1200),
     ("crates/truth", 8700),
-    ("sisters/fur", 8500),
+    ("sisters/fur", 8550),
     ("sisters/images", 250),
     ("sisters/light", 9400),
     ("sisters/lightmap", 1750),

@@ -334,7 +334,7 @@ impl Cache {
     }
 
     /// Passes until a pass changes less than a share, `most` at most; returns their number. Answers
-    /// are smoothed then, twice: see [`Cache::smooth`].
+    /// are smoothed then, twice; [`Cache::smooth`] with 0 gives them as rays found them.
     pub fn converge(&mut self, share: f64, most: u32) -> u32 {
         let passes = (1..=most).find(|_| self.pass() < share).unwrap_or(most);
         self.smooth(MEANS);
