@@ -73,6 +73,9 @@ fn by_splats(points: &[Vec3], eye: Vec3, auto: &AutoSettings) -> Result<Vec<Opti
 /// Points of a scene.
 const POINTS: usize = 30_000;
 
+/// The steps of ranges of scans that have some, in metres.
+const STEP: f32 = 0.01;
+
 /// How far from the automatic one the radii of `hpr` are that are tried on scans, as logarithms.
 const RADII: [f64; 7] = [-2.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0];
 
@@ -94,8 +97,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for mut plan in scans {
         row(plan.0.name, &plan.0, &scans::scan(&plan), &RADII)?;
-        plan.2[2..].fill(0.0);
+        plan.2[3..].fill(0.0);
         row(&format!("{}, clean", plan.0.name), &plan.0, &scans::scan(&plan), &RADII)?;
+        plan.2[2] = STEP;
+        row(&format!("{}, steps", plan.0.name), &plan.0, &scans::scan(&plan), &RADII)?;
     }
     Ok(())
 }

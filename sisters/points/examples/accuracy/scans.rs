@@ -9,9 +9,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::{PI, TAU};
 
-/// A scene, the places of scanners, and numbers: the angle between rays, in degrees, the deviation of ranges,
-/// in metres, and points between two surfaces, and in the air or behind walls, as parts of all points.
-pub type Plan = (Scene, Vec<Vec3>, [f32; 4]);
+/// A scene, the places of scanners, and numbers: the angle between rays, in degrees, the deviation and the
+/// steps of ranges, in metres, and points between two surfaces, and in the air or behind walls, as parts of all
+/// points.
+pub type Plan = (Scene, Vec<Vec3>, [f32; 5]);
 
 /// How low scanners see, in parts of a half turn from straight up.
 const LOWEST: f32 = 0.85;
@@ -31,7 +32,7 @@ const NEAREST: f32 = 0.6;
 
 /// What scanners deliver. Normals are towards them; those of points of no surface as a program might
 /// estimate them.
-pub fn scan((scene, scanners, [step, noise, mixed, strays]): &Plan) -> Vec<Sample> {
+pub fn scan((scene, scanners, [step, noise, rounded, mixed, strays]): &Plan) -> Vec<Sample> {
     let mut random = Pcg64Mcg::seed_from_u64(23);
     let mesh = Mesh::new(&scene.triangles);
     let step = step.to_radians();
@@ -71,7 +72,8 @@ pub fn scan((scene, scanners, [step, noise, mixed, strays]): &Plan) -> Vec<Sampl
     let mut scan = Vec::new();
     for (&(from, way, range, triangle), off) in rays.iter().zip(off) {
         let place = from + way * range;
-        let at = place + way * (off + noise * gauss(&mut random));
+        let far = range + off + noise * gauss(&mut random);
+        let at = from + way * if rounded > &0.0 { (far / rounded).round() * rounded } else { far };
         let front = normal(scene.triangles[triangle as usize]);
         let normal = if off == 0.0 { front * -front.dot(way).signum() } else { -way };
         scan.push(Sample { at, normal, place, triangle: Some(triangle).filter(|_| off == 0.0) });

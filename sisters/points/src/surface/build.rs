@@ -1,10 +1,11 @@
 //! Discs from points.
 
-use super::disc::{Disc, Discs, Frame, Margins, PEERS, Packed, rounded, tree};
+use super::disc::{Disc, Discs, Frame, Margins, Packed, rounded, tree};
 use super::error::SurfaceError;
 use super::fan::{self, SECTORS};
 use super::plane::{self, Input, NEIGHBOURS, NOBODY, Near};
 use super::rim;
+use super::steps;
 use super::stray::strays;
 use crate::PointCloud;
 use crate::numeric::{power_of_two_for, unit};
@@ -50,18 +51,14 @@ const DEEP: f32 = 0.7;
 const ALONG: [f32; 2] = [1.0, 3.0];
 /// The spacing of a point's own layer over that of all its neighbours, at most.
 const THINNER: f32 = 2.0;
-/// Peers: how near, and how far from the plane as a part of [`Margins::layer`].
-const PEER: f32 = 2.0;
-const PEER_LAYER: f32 = 0.5;
 
-/// The least cosine between normals of one layer, and of peers.
+/// The least cosine between normals of one layer.
 const LAYER_TURN: f32 = 0.5;
-const PEER_TURN: f32 = 0.8;
 
 /// The plane of a point.
 struct Plane {
     normal: Vec3A,
-    /// How far its neighbours are from it.
+    /// How far its neighbours are from it, or the next step.
     rough: f32,
     /// It is on the rim of a plate, which the normal leads out of.
     rim: bool,
@@ -109,22 +106,14 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     input.spacing = all.clone().into_par_iter().map(|i| spacing(&input.near(i))).collect();
     let margins = margins(&input);
     let planes = planes(&input, &margins);
-    let mut discs = all.clone().into_par_iter().map(|i| disc(&input, &planes, &margins, i)).collect();
-    let oriented = all.clone().all(|i| input.given(i));
-    let all = if oriented { 0..0 } else { all };
-    let peers: Vec<_> = all.into_par_iter().map(|i| peers(&input, &planes, &margins, i)).collect();
+    let mut discs = all.into_par_iter().map(|i| disc(&input, &planes, &margins, i)).collect();
     drop((input, planes));
     let (tree, order) = tree(&mut discs);
-    let (mut rank, mut disc_of) = (vec![0; order.len()], vec![0; cloud.len()]);
+    let mut disc_of = vec![0; cloud.len()];
     for (disc, &i) in order.iter().enumerate() {
-        rank[i as usize] = disc as u32;
         groups[i as usize].iter().for_each(|&point| disc_of[point as usize] = disc as u32);
     }
-    let step = |i: u32, j: u32| Some(i64::from(*rank.get(j as usize)?) - i64::from(rank[i as usize]));
-    let close = |i: u32, j: u32| step(i, j).and_then(|step| i16::try_from(step).ok()).unwrap_or(0);
-    let steps = |i: &u32| peers[*i as usize].map(|j| close(*i, j));
-    let peers = if oriented { Vec::new() } else { order.par_iter().map(steps).collect() };
-    Ok(Discs { discs, peers, tree, disc_of, margins, frame, show_strays: true })
+    Ok(Discs { discs, tree, disc_of, margins, frame, show_strays: true })
 }
 
 /// The side of the square that a point stands for, by its neighbours, nearest first.
@@ -148,10 +137,11 @@ fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
     normals.iter_mut().zip(&strays).filter(|(_, stray)| **stray).for_each(|(n, _)| *n = Vec3A::ZERO);
     let rims =
         if all.clone().all(|i| input.given(i)) { Vec::new() } else { rim::normals(input, &normals, margins) };
+    let steps = steps::heights(input, &normals, |i| 2.0 * inlier(i));
     let plane = |i: usize| {
         let rim = rims.get(i).copied().flatten().filter(|_| !input.given(i) && !strays[i]);
         let normal = rounded(rim.unwrap_or(normals[i]));
-        let rough = plane::rough(&input.around(i), normal, 2.0 * inlier(i));
+        let rough = plane::rough(&input.around(i), normal, 2.0 * inlier(i)).max(steps[i]);
         Plane { normal, rough, rim: rim.is_some(), stray: strays[i] }
     };
     all.into_par_iter().map(plane).collect()
@@ -172,12 +162,6 @@ fn margins(input: &Input) -> Margins {
     Margins { inlier, layer, behind, plate, between, grain }
 }
 
-/// Whether two normals differ by an angle of at least this cosine; their signs may mean nothing.
-fn alike(input: &Input, planes: &[Plane], [i, j]: [usize; 2], least: f32) -> bool {
-    let cosine = planes[i].normal.dot(planes[j].normal);
-    if input.given(i) && input.given(j) { cosine > least } else { cosine.abs() > least }
-}
-
 fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Packed {
     let Plane { normal, rough, rim, stray } = planes[i];
     // What is on no surface is beside none.
@@ -189,12 +173,16 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Packed 
         return disc.pack([0.0; SECTORS]);
     }
     let neighbours = input.near(i);
+    // The signs of estimated normals mean nothing.
+    let alike = |j: usize| {
+        let cosine = planes[j].normal.dot(normal);
+        if given && input.given(j) { cosine > LAYER_TURN } else { cosine.abs() > LAYER_TURN }
+    };
     let of = |j: u32| planes[j as usize].normal;
     let layer: Vec<Vec3A> = neighbours
         .iter()
         .filter(|(j, v)| {
-            v.dot(normal).abs() < margins.layer * all.max(v.length()).max(margins.grain)
-                && alike(input, planes, [i, *j as usize], LAYER_TURN)
+            v.dot(normal).abs() < margins.layer * all.max(v.length()).max(margins.grain) && alike(*j as usize)
         })
         .map(|near| near.1)
         .collect();
@@ -251,19 +239,4 @@ fn end(direction: Vec3A, normal: Vec3A, sides: &[Side], most: f32, along: f32) -
         (far > 0.0 && far < most && beside < along).then_some((far, *known && facing < 0.0))
     });
     meets.min_by(|a, b| a.0.total_cmp(&b.0))
-}
-
-fn peers(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> [u32; PEERS] {
-    let normal = planes[i].normal;
-    let mut peers = [NOBODY; PEERS];
-    if input.given(i) {
-        return peers;
-    }
-    let near = input.near(i).into_iter().filter(|(j, v)| {
-        alike(input, planes, [i, *j as usize], PEER_TURN)
-            && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i].max(margins.grain)
-            && v.length() < PEER * input.spacing[i]
-    });
-    peers.iter_mut().zip(near).for_each(|(peer, near)| *peer = near.0);
-    peers
 }

@@ -12,9 +12,6 @@ use std::time::Duration;
 pub(super) struct Discs {
     /// In the order of the tree, whose indices of primitives are left out.
     pub discs: Vec<Packed>,
-    /// For each disc, how many places away neighbours on the same part of the surface are; 0 for
-    /// none, and for the few that are too many places away. Empty if all discs are oriented, and have none.
-    pub peers: Vec<[i16; PEERS]>,
     pub tree: Bvh2,
     /// The disc of each point.
     pub disc_of: Vec<u32>,
@@ -23,9 +20,6 @@ pub(super) struct Discs {
     /// Whether points of no surface are visible where nothing hides them.
     pub show_strays: bool,
 }
-
-/// Neighbours whose answers a point's own is compared with.
-pub(super) const PEERS: usize = 8;
 
 /// Most discs of a leaf of the tree, and the cost of a step from node to node in tests of discs: the
 /// larger, the smaller the tree: 3 bytes a disc, where 16 and 8 make it 6.
@@ -138,6 +132,11 @@ impl Packed {
         let most = f32::from(u8::MAX) / PARTS * length(self.lengths[0]) + ACROSS_CUBE * BOX;
         let across = (Vec3A::from(self.at) - ray.origin).cross(ray.direction);
         across.length_squared() <= most * most * ray.direction.length_squared()
+    }
+
+    #[inline]
+    pub(super) fn at(&self) -> Vec3A {
+        self.at.into()
     }
 
     #[inline]

@@ -14,19 +14,14 @@ const START: f64 = 8.0;
 // Lengths in spacings.
 /// Discs and points nearer than this may be parts of one surface that bends.
 const NEAR: f32 = 3.0;
-/// How far behind a disc that faces the eye a point may be that faces away, and not be hidden.
+/// How far behind a disc that faces the eye a point may be that faces away as the surface folds, and not be
+/// hidden.
 const TURNED: f32 = 0.02;
 /// How far the two sides of a plate may be apart.
 const PLATE: f32 = 1.5;
 
-/// The bend of a surface between two points is at most their distance times this part of the chord
-/// between their normals: half of it if it bends evenly.
-const BEND: f32 = 0.5;
-/// Normals with a smaller cosine meet at an edge.
-const EDGE: f32 = 0.7;
-/// Normals of larger cosine are of one smooth surface; front and back at less than minus another.
+/// Normals of larger cosine are of one smooth surface.
 const SMOOTH: f32 = 0.5;
-const BACK: f32 = 0.3;
 /// The least cosine of the normals of a plate's sides.
 const PARALLEL: f32 = 0.9;
 
@@ -37,6 +32,13 @@ const FEWEST: f32 = 0.25;
 const MOST: f32 = 0.8;
 /// Fewer peers do not count.
 const LEAST_PEERS: usize = 4;
+/// Peers are neighbours on the same part of the surface, so near by place, by height over the plane, as a part
+/// of [`Margins::layer`](super::disc::Margins), and by the cosine of normals. They are sought among discs so
+/// many places away in the order of the tree.
+const PEER: f32 = 1.6;
+const PEER_LAYER: f32 = 0.5;
+const PEER_TURN: f32 = 0.8;
+const PLACES: usize = 32;
 
 /// The least cosine by which a point of a solid is turned away from an eye that does not see it.
 const TURNED_AWAY: f32 = 0.05;
@@ -79,10 +81,21 @@ impl Discs {
     pub(super) fn visible(&self, eye: DVec3) -> Vec<bool> {
         let first: Vec<bool> = (0..self.discs.len()).into_par_iter().map(|i| self.is_seen(eye, i)).collect();
         let judged = |i: usize| {
-            let peers = self.peers.get(i).into_iter().flatten().filter(|&&step| step != 0);
-            let is_seen = |step: &i16| first[i.wrapping_add_signed((*step).into())];
+            let disc = self.discs[i].disc();
+            if disc.oriented {
+                return first[i];
+            }
+            let level = PEER_LAYER * self.margins.layer * disc.spacing.max(self.margins.grain);
+            let is_peer = |&j: &usize| {
+                let away = self.discs[j].at() - disc.at;
+                j != i
+                    && away.length() < PEER * disc.spacing
+                    && away.dot(disc.normal).abs() < level
+                    && self.discs[j].disc().normal.dot(disc.normal).abs() > PEER_TURN
+            };
+            let peers = (i.saturating_sub(PLACES)..first.len().min(i + PLACES + 1)).filter(is_peer);
             let (count, visible) =
-                peers.fold((0, 0), |(count, visible), j| (count + 1, visible + usize::from(is_seen(j))));
+                peers.fold((0, 0), |(count, visible), j| (count + 1, visible + usize::from(first[j])));
             let share = visible as f32 / count as f32;
             match first[i] {
                 seen if count < LEAST_PEERS => seen,
@@ -141,26 +154,16 @@ impl Discs {
         let away = to.at - disc.at;
         let near = away.length() < NEAR * disc.spacing.max(to.spacing).max(self.margins.grain);
         let cosine = disc.normal.dot(to.normal);
-        // The point faces away, and the disc does not; by given normals, or as the surface folds.
         let facing = to.normal.dot(step);
-        let back = disc.oriented && to.oriented && cosine < -BACK && facing > 0.0;
         let fold = near && cosine.abs() > SMOOTH && above * facing * cosine > 0.0;
-        let behind = if back || fold {
-            TURNED * disc.spacing
-        } else {
-            let straight = self.margins.behind * disc.spacing.max(self.margins.grain) + 2.0 * disc.rough;
-            let bend = (2.0 * (1.0 - cosine.abs())).max(0.0).sqrt();
-            if near && cosine.abs() >= EDGE { straight + BEND * bend * away.length() } else { straight }
-        };
+        let straight = self.margins.behind * disc.spacing.max(self.margins.grain);
+        let behind = if fold { TURNED * disc.spacing } else { straight + 2.0 * disc.rough };
         if below.abs() <= behind {
             return false;
         }
-        if near && !back && !fold {
-            // Two planes of which each is behind the other meet at an edge that hides neither.
-            let before = -to.normal.dot(away) * -facing.signum();
-            if before <= self.margins.behind * disc.spacing.max(self.margins.grain) {
-                return false;
-            }
+        // Two planes of which each is behind the other meet at an edge that hides neither.
+        if near && !fold && to.normal.dot(away) * facing.signum() <= straight {
+            return false;
         }
         disc.covers(start + step * (above / (above - below)) - disc.at)
     }
