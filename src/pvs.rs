@@ -50,8 +50,6 @@ pub struct Stats {
     pub patches_drawn: u32,
     /// [`Method::Point`]: blocks of 32x8 pixels that these patches were drawn in.
     pub patch_blocks: u64,
-    /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
-    pub cells_drawn: u32,
     /// [`Method::Point`]: occluders too small to draw.
     pub occluders_skipped: u32,
     /// [`Method::Point`]: objects that only undecided pixels showed, or seemed to, and

@@ -47,7 +47,6 @@ impl Scene {
         if !now.is_finite() {
             return Err(Error::NotFinite { what: "the time", value: DVec3::splat(now) });
         }
-        self.opacity.refresh();
         let backwards = now < self.clock.now;
         if now != self.clock.now {
             self.clock.reports.clock_moved();

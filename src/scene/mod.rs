@@ -37,7 +37,6 @@
 mod boxes;
 mod changes;
 mod clock;
-mod contacts;
 mod edit;
 mod frame;
 mod home;

@@ -26,7 +26,6 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
 use crate::query::point::drawing::Drawing;
 use crate::query::point::drawing::drawables::Source;
-use crate::query::point::drawing::occluders::NOBODY;
 use crate::query::point::drawing::recall::{Coherence, Recall, Usage};
 
 impl<'a> Drawing<'a> {
@@ -198,7 +197,7 @@ impl<'a> Drawing<'a> {
             let useful = changed && block.is_some_and(|block| !self.hides(&block));
             coherence.solids[slot.index()] = usage(useful);
         }
-        for &slot in used.solids.iter().filter(|&&slot| slot != NOBODY) {
+        for &slot in &used.solids {
             coherence.solids[slot.index()] = usage(true);
         }
         coherence.useful_solids.clear();

@@ -1,4 +1,4 @@
-//! Drawing occluders: convex ones and boxes of opaque cells ([`occluders`]), surfaces of triangles
+//! Drawing occluders: convex ones ([`occluders`]), surfaces of triangles
 //! ([`surfaces`], [`drawables`]), those of the last run first ([`coherence`]).
 
 mod coherence;
@@ -42,8 +42,6 @@ pub(super) struct Drawing<'a> {
     starts: Starts,
     /// A box around the eye and those regions; `None` for parallel rays.
     around_starts: Option<Block>,
-    /// Whether boxes of opaque cells may be drawn, once that was found out.
-    fuses: Option<bool>,
     /// The counts of the run: the rest of the walk adds its own.
     pub(super) stats: Stats,
 }
@@ -148,7 +146,7 @@ impl<'a> Drawing<'a> {
         let bricks = scene.grid().bricks();
         let around = Shells::around_eye(&bricks, run.scene.extent_in_bricks(), view, Start::Eye);
         let stats = Stats::default();
-        Self { run, scratch, bricks, around, starts, around_starts, fuses: None, stats }
+        Self { run, scratch, bricks, around, starts, around_starts, stats }
     }
 
     /// The buffers with all that was drawn so far.
