@@ -276,8 +276,8 @@ impl Surface {
         }
     }
 
-    /// Whether a patch is known to be a triangle with nothing beyond its sides in this surface.
-    #[inline]
+    /// Whether a patch is a lone triangle.
+    #[cfg(test)]
     pub(crate) fn is_lone(&self, patch: PatchIndex) -> bool {
         matches!(self.stored(patch), Stored::Lone(_))
     }

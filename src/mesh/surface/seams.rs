@@ -45,8 +45,6 @@ pub(crate) struct Place {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Seams {
     places: Vec<Place>,
-    /// The ranges of numbers ever given, in order: the first number of each, and the object.
-    ranges: Vec<(PatchNumber, Slot)>,
     /// All numbers ever given are smaller.
     end: PatchNumber,
     /// Ranges given back, by the logarithm of their length.
@@ -60,12 +58,6 @@ impl Seams {
     /// All numbers are smaller.
     pub(crate) fn patches(&self) -> usize {
         self.end.index()
-    }
-
-    /// The object that has a patch.
-    pub(crate) fn owner(&self, number: PatchNumber) -> Option<Slot> {
-        let after = self.ranges.partition_point(|r| r.0 <= number);
-        after.checked_sub(1).map(|at| self.ranges[at].1)
     }
 
     pub(crate) fn place(&self, slot: Slot) -> &Place {
@@ -93,16 +85,11 @@ impl Seams {
             self.free.resize_with(class + 1, Vec::new);
         }
         let base = match self.free[class].pop() {
-            Some(base) => {
-                let at = self.ranges.partition_point(|r| r.0 < base);
-                self.ranges[at].1 = slot;
-                base
-            }
+            Some(base) => base,
             None => {
                 // The last number means none.
                 let end = self.end.get().checked_add(1 << class).map(PatchNumber::new);
                 let Some(end) = end.filter(|&end| end < PatchNumber::NONE) else { return false };
-                self.ranges.push((self.end, slot));
                 std::mem::replace(&mut self.end, end)
             }
         };
@@ -183,8 +170,7 @@ impl Seams {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.ranges.capacity() * size_of::<(PatchNumber, Slot)>()
-            + self.places.capacity() * size_of::<Place>()
+        self.places.capacity() * size_of::<Place>()
             + self
                 .places
                 .iter()
@@ -303,10 +289,7 @@ mod tests {
         assert!(!seams.insert(Slot::new(2), &large, true), "no numbers are left");
         assert!(seams.insert(Slot::new(3), &small, true), "those of object 0 are");
         assert!(!seams.insert(Slot::new(4), &small, true));
-        assert_eq!(
-            (seams.place(Slot::new(3)).base, seams.owner(seams.place(Slot::new(3)).base)),
-            (PatchNumber::new(0), Some(Slot::new(3)))
-        );
+        assert_eq!(seams.place(Slot::new(3)).base, PatchNumber::new(0));
     }
 
     #[test]

@@ -25,10 +25,6 @@ pub(crate) struct Drawable<'a> {
     /// All of it lies where `lo <= normal . x <= hi`.
     pub(crate) normal: DVec3,
     pub(crate) slab: (f64, f64),
-    /// Whether it was drawn before, and only its seams with patches that were not are new.
-    pub(crate) again: bool,
-    /// Whether no neighbour of it is drawn in another batch.
-    pub(crate) alone: bool,
     /// Whether its lower side counts as turned to the eye, so that its winding numbers change sign.
     pub(crate) turned: bool,
     /// Whether every triangle of it is known to be turned to the eye with the same side. Without
@@ -43,19 +39,15 @@ impl<'a> Drawable<'a> {
     /// patch, and whether the two run along the side in opposite directions.
     #[inline]
     pub(crate) fn beyond(&self, number: u32, side: &PatchSide) -> Option<(PatchNumber, bool)> {
-        beyond(self.number.base(self.patch), self.links, number, side)
-    }
-
-    /// The numbers of the patches beyond its sides.
-    pub(crate) fn twins(&self) -> impl Iterator<Item = PatchNumber> + use<'a> {
-        let (base, links) = (self.number.base(self.patch), self.links);
-        self.outline().filter_map(move |(number, side)| Some(beyond(base, links, number, &side)?.0))
-    }
-
-    /// Whether it is a triangle with nothing beyond its sides.
-    #[inline]
-    pub(crate) fn is_apart(&self) -> bool {
-        self.links.is_empty() && self.surface.is_lone(self.patch)
+        let twin = side.twin();
+        if twin != PatchIndex::NONE {
+            return Some((self.number.base(self.patch).of(twin), side.opposite()));
+        }
+        if self.links.is_empty() {
+            return None;
+        }
+        let link = self.links.get(self.links.partition_point(|l| l.0 < number))?;
+        (link.0 == number).then_some((link.1, link.2))
     }
 
     /// The sides of its outline, with their numbers.
@@ -69,23 +61,4 @@ impl<'a> Drawable<'a> {
         let next = self.surface.next(self.patch);
         self.number..self.number.base(self.patch).of(next)
     }
-}
-
-/// As [`Drawable::beyond`], for a surface whose first patch has the number `base`.
-#[inline]
-fn beyond(
-    base: PatchNumber,
-    links: &[(u32, PatchNumber, bool)],
-    number: u32,
-    side: &PatchSide,
-) -> Option<(PatchNumber, bool)> {
-    let twin = side.twin();
-    if twin != PatchIndex::NONE {
-        return Some((base.of(twin), side.opposite()));
-    }
-    if links.is_empty() {
-        return None;
-    }
-    let link = links.get(links.partition_point(|l| l.0 < number))?;
-    (link.0 == number).then_some((link.1, link.2))
 }

@@ -125,7 +125,7 @@ impl Local {
     ) {
         self.choose(simd, spot, stores, listed);
         self.join(spot, stores);
-        self.joined.sort(|_| true);
+        self.joined.sort();
         let order = std::mem::take(&mut self.joined.order);
         for component in order.chunk_by(|a, b| a.1 == b.1) {
             let mut members = component.iter().map(|place| &self.members[place.2 as usize]);

@@ -407,8 +407,6 @@ mod tests {
                     block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
                     normal: DVec3::X,
                     slab: (0.0, 0.0),
-                    again: false,
-                    alone: false,
                     turned: false,
                     faces_eye: true,
                     error: 0.0,

@@ -125,7 +125,7 @@ fn walk_shells(finder: &mut ObjectFinder, lists: &mut BrickLists, around: &Shell
                 of_page.iter().for_each(|found| visit(finder, *found, slots, volumes));
             }
         }
-        finish_bricks(finder, volumes, m);
+        finish_bricks(finder, volumes);
         let in_shells =
             (m + 1..m + SHELLS_OF_PAGE as i32).find(|k| !shells[*k as usize % SHELLS_OF_PAGE].is_empty());
         next = in_shells.into_iter().chain(pages.peek().map(|(nearest, _)| *nearest)).min();
@@ -133,9 +133,6 @@ fn walk_shells(finder: &mut ObjectFinder, lists: &mut BrickLists, around: &Shell
         if finder.drawing.buffers().closed(beyond) {
             break;
         }
-    }
-    if finder.drawing.buffers().reach() > 0.0 {
-        finder.drawing.draw_all_patches(i32::MAX);
     }
 }
 
@@ -182,12 +179,12 @@ fn walk_along(finder: &mut ObjectFinder, lists: &mut BrickLists, direction: DVec
     for portion in bricks.chunks(PORTION) {
         finder.drawing.stats.shells += 1;
         portion.iter().for_each(|found| visit(finder, *found, slots, volumes));
-        finish_bricks(finder, volumes, 0);
+        finish_bricks(finder, volumes);
     }
     // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
     Slot::below(scene.slot_count()).filter(|&s| scene.is_hidden(s)).for_each(|slot| finder.test_volume(slot));
     finder.settle();
-    finder.drawing.draw_all_patches(i32::MAX);
+    finder.drawing.draw_patches();
 }
 
 /// The least distance along an axis from the eye to bricks beyond shell `m`.
@@ -237,12 +234,11 @@ fn visit(
     }
 }
 
-/// Tests and draws the objects found in the bricks up to shell `m`, and those of the volumes in
-/// them, which are tested after all objects as near are drawn.
-fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>, m: i32) {
+/// Tests and draws the objects found in bricks, and those of the volumes in them, which are tested after all objects as near are drawn.
+fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>) {
     let scene = finder.drawing.run.scene;
     finder.settle();
-    finder.drawing.draw_patches(m);
+    finder.drawing.draw_patches();
     for brick in volumes.drain(..) {
         let Some(CellBox { lo, hi }) = scene.tbv_matrix().extent(brick) else { continue };
         if scene.tbv_matrix().ids(brick).all(|slot| finder.marks.is_revealed(slot))
@@ -253,5 +249,5 @@ fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>, m: i32) {
         scene.tbv_matrix().ids(brick).for_each(|slot| finder.test_volume(slot));
     }
     finder.settle();
-    finder.drawing.draw_patches(m);
+    finder.drawing.draw_patches();
 }

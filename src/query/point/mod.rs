@@ -117,7 +117,7 @@ impl PointScratch {
         }
         changes.fresh.iter().for_each(|&slot| finder.find(slot));
         finder.settle();
-        finder.drawing.draw_all_patches(i32::MAX);
+        finder.drawing.draw_patches();
         if !holes.is_empty() {
             find_all(&mut finder, bricks);
         }

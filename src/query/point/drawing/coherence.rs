@@ -67,7 +67,6 @@ impl<'a> Drawing<'a> {
         }
         patches.sort_unstable();
         let mut batch = std::mem::take(&mut self.scratch.batch).emptied();
-        self.scratch.batches += 1;
         for of_object in patches.chunk_by(|a, b| a.0 == b.0) {
             let slot = of_object[0].0;
             if self.may_draw(slot)
@@ -106,7 +105,7 @@ impl<'a> Drawing<'a> {
                 continue;
             }
             at = surface.next(patch);
-            let drawn = self.scratch.drawn.get(base.of(patch)).epoch == self.scratch.useful.epoch();
+            let drawn = self.scratch.drawn.get(base.of(patch)) == self.scratch.useful.epoch();
             if !drawn && wanted(self, &source.block(patch)) {
                 self.collect_alone(source, patch, batch);
             }
@@ -121,13 +120,13 @@ impl<'a> Drawing<'a> {
         }
         let coherence = &mut self.scratch.coherence;
         let id = |index: u32| batch.drawables[index as usize].id;
-        let is_new = |index: u32| !batch.drawables[index as usize].again;
         coherence.changed.resize(self.scratch.patches.len(), false);
-        for &index in self.scratch.buffers.useful_patches().iter().filter(|&&index| is_new(index)) {
+        for &index in self.scratch.buffers.useful_patches() {
             coherence.changed[id(index) as usize] = true;
         }
-        let sights = batch.sights.iter().filter(|sight| is_new(sight.patch));
-        coherence.sights.extend(sights.map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
+        coherence
+            .sights
+            .extend(batch.sights.iter().map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
     }
 
     /// Draws the occluders that wait before some boxes. Returns whether there are any.
@@ -162,7 +161,7 @@ impl<'a> Drawing<'a> {
             !draws
         });
         self.scratch.coherence.waiting_solids = solids;
-        self.draw_all_patches(i32::MAX);
+        self.draw_patches();
         let mut patches = std::mem::take(&mut self.scratch.coherence.waiting_patches);
         self.draw_patches_of(&mut patches, |walk, block| walk.is_before(block, &tiles));
         self.scratch.coherence.waiting_patches = patches;

@@ -117,8 +117,6 @@ impl<'a> Source<'a> {
             block,
             normal,
             slab,
-            again: false,
-            alone: false,
             turned: height < 0.0,
             faces_eye,
             error,

@@ -46,33 +46,6 @@ pub(super) struct Drawing<'a> {
     pub(super) stats: Stats,
 }
 
-/// How a patch was drawn.
-#[derive(Debug, Clone, Copy, Default)]
-struct DrawnPatch {
-    /// The query.
-    epoch: u32,
-    /// The batch of that query.
-    batch: u32,
-    /// The number in its surface of the patch that it was drawn in: itself or a group.
-    whole: PatchIndex,
-}
-
-/// Patches of one shell that wait.
-#[derive(Debug, Clone, Default)]
-struct Waiting {
-    /// Object and patch.
-    listed: Vec<(Slot, PatchIndex)>,
-    /// The number of patches in those listed.
-    count: u64,
-}
-
-impl Waiting {
-    fn clear(&mut self) {
-        self.listed.clear();
-        self.count = 0;
-    }
-}
-
 /// The objects on whose occluders a kept result may rest: all that were not hidden when they were
 /// found, whether their occluders were drawn, waited or were too small. The occluders of others are
 /// hidden: no ray of the view reaches them.
@@ -107,12 +80,11 @@ impl Offered {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DrawingScratch {
     pub(crate) buffers: OcclusionBuffers,
-    /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
-    waiting: Vec<Waiting>,
-    /// For each patch of the scene, how it was drawn last.
-    drawn: ByPatch<DrawnPatch>,
-    batches: u32,
-    /// Memory for one of them.
+    /// Objects in sight whose surfaces are yet to be drawn.
+    waiting: Vec<Slot>,
+    /// For each patch of the scene, the last coherent query that drew it.
+    drawn: ByPatch<u32>,
+    /// Memory for patches that are drawn together.
     batch: Batch<'static>,
     /// The patches drawn, in the order of first drawing: object and patch.
     patches: Vec<(Slot, PatchIndex)>,
@@ -129,7 +101,7 @@ impl<'a> Drawing<'a> {
         let Run { scene, view, .. } = run;
         let (slots, patches) = (scene.slot_count(), scene.seams().patches());
         scratch.useful.begin(slots);
-        scratch.waiting.iter_mut().for_each(Waiting::clear);
+        scratch.waiting.clear();
         scratch.patches.clear();
         scratch.buffers.begin_patches();
         scratch.offered.0.clear();
@@ -202,7 +174,7 @@ impl DrawingScratch {
         let options = PointOptions::new().unrefined();
         let mut drawing = Drawing::new(Run::new(scene, view, &options, None), self);
         slots.for_each(|slot| drawing.draw(slot));
-        drawing.draw_all_patches(i32::MAX);
+        drawing.draw_patches();
         drawing.stats.occluders_drawn
     }
 
