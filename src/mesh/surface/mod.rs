@@ -24,7 +24,6 @@ mod groups;
 mod grow;
 mod halves;
 mod index;
-mod interior;
 mod lone;
 mod packed;
 mod patch;
