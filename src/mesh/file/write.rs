@@ -60,7 +60,7 @@ impl TriMesh {
         out.push(u8::from(self.occludes));
         out.push(u8::from(self.surface.front));
         let surface = &self.surface;
-        count(out, surface.side_count());
+        count(out, surface.sides.len());
         for (_, _, side) in surface.leaf_sides() {
             out.extend(side.ends.iter().flat_map(|v| v.to_le_bytes()));
             out.extend(side.slack.to_le_bytes());

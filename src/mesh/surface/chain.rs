@@ -35,14 +35,11 @@ pub(crate) struct Straight {
     pub(crate) chain: u64,
 }
 
-/// The edges of triangles that do not cancel inside a patch, without those of lone triangles.
+/// The edges of triangles that do not cancel inside a patch.
 pub(crate) fn borders(mesh: &Welded, patches: &Patches) -> Vec<BorderEdge> {
     let mut borders = Vec::new();
     let mut steps: Vec<(u32, i32)> = Vec::new();
     for beside in mesh.edges.chunk_by(|a, b| a.ends == b.ends) {
-        if patches.of[beside[0].run().0 as usize].0 < patches.lone {
-            continue;
-        }
         steps.clear();
         steps.extend(beside.iter().map(|edge| {
             let (t, up) = edge.run();
@@ -122,40 +119,6 @@ pub(crate) fn simplify(mesh: &Welded, borders: &[BorderEdge], tolerance: f64) ->
         }
     }
     straight
-}
-
-/// The corners of a patch that is a lone triangle in the order of its outline, if that keeps all
-/// its edges: as [`lone_outline`], for most.
-pub(crate) fn lone_ring(mesh: &Welded, patches: &Patches, patch: u32, tolerance: f64) -> Option<[u32; 3]> {
-    let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
-    let mut ring = triangle;
-    ring.sort_unstable();
-    let [p, q, r] = ring.map(|v| mesh.positions[v as usize].as_dvec3());
-    // The ring is cut at the corner that is farthest from the first, and then at the other one.
-    let (to_q, to_r) = (q.distance(p), r.distance(p));
-    let left = if to_r > to_q { distance_to_segment(q, p, r) } else { distance_to_segment(r, q, p) };
-    let [a, b, c] = ring;
-    let along = triangle.iter().position(|&v| v == a).is_some_and(|at| triangle[(at + 1) % 3] == b);
-    // Both run along the side between the first two first.
-    (left > tolerance && left > 0.0).then_some(if along { [a, b, c] } else { [b, a, c] })
-}
-
-/// The outline of a patch that is a lone triangle, simplified as [`simplify`] would.
-pub(crate) fn lone_outline(
-    mesh: &Welded,
-    patches: &Patches,
-    patch: u32,
-    tolerance: f64,
-    out: &mut Vec<Straight>,
-) {
-    let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
-    let mut ring = triangle;
-    ring.sort_unstable();
-    let [a, b, c] = ring;
-    // Whether the triangle runs around in this order.
-    let along = triangle.iter().position(|&v| v == a).is_some_and(|at| triangle[(at + 1) % 3] == b);
-    let runs = smallvec![(patch, if along { 1 } else { -1 })];
-    straighten(mesh, &[a, b, c, a], &runs, tolerance, out);
 }
 
 fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {

@@ -24,8 +24,6 @@ mod groups;
 mod grow;
 mod halves;
 mod index;
-mod lone;
-mod packed;
 mod patch;
 mod position;
 pub(crate) mod seams;
@@ -35,7 +33,6 @@ mod weld;
 
 pub(crate) use equal::first_of_equals;
 pub(crate) use index::{PatchIndex, PatchNumber};
-pub(crate) use lone::Slab as PatchSlab;
 pub(crate) use patch::{Beyond, EDGE, Patch, PatchOutline, PatchSide, Rules, Surface, slack};
 pub(crate) use position::key;
 pub(crate) use weld::{Topology, Welded};

@@ -5,7 +5,7 @@ use fearless_simd::{f32x8, u32x8};
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::geometry::Room;
-use crate::mesh::surface::PatchIndex;
+use crate::mesh::surface::{Patch, PatchIndex};
 use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
@@ -139,7 +139,7 @@ impl Projector {
         let Face { right, up, forward, parallel } = self.face;
         let axes = DMat3::from_cols(right, up, if parallel { DVec3::ZERO } else { forward }).transpose();
         let depth = if parallel { DVec3::Z } else { DVec3::ZERO };
-        let (min, max) = d.surface.extent(PatchIndex::FIRST);
+        let &Patch { min, max, .. } = d.surface.patch(PatchIndex::FIRST);
         let unit = if parallel { right.length() } else { 1.0 };
         let frame = |eye: (Vec3, Vec3), turn: DMat3, at: DVec3, growth: f64, error: f64| {
             let rows = turn.transpose();

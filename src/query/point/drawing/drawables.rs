@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::mesh::surface::seams::Place;
-use crate::mesh::surface::{PatchIndex, PatchSide, PatchSlab, Surface};
+use crate::mesh::surface::{Patch, PatchIndex, PatchSide, Surface};
 use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -47,7 +47,7 @@ impl<'a> Source<'a> {
 
     /// A box around a patch as it is placed, in world units.
     pub(super) fn block(&self, patch: PatchIndex) -> Block {
-        let (min, max) = self.surface.extent(patch);
+        let &Patch { min, max, .. } = self.surface.patch(patch);
         placed_block(&Block { min: min.as_dvec3(), max: max.as_dvec3() }, self.placement)
     }
 
@@ -63,7 +63,7 @@ impl<'a> Source<'a> {
         let (eye, direction) = (buffers.origin(), buffers.direction());
         let block = buffers.relative(world);
         let PlacedSlab { normal, lo, hi, error, slack } =
-            placed_slab(surface.slab(patch), placement, buffers.uncertainty())?;
+            placed_slab(surface.patch(patch), placement, buffers.uncertainty())?;
         let base = normal.dot(eye);
         let room = error + SLAB * (base.abs() + eye.abs().max_element() + lo.abs().max(hi.abs()));
         let slab = (lo.min(hi) - base - room, lo.max(hi) - base + room);
@@ -204,7 +204,7 @@ fn is_below_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bo
 
 /// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range
 /// of numbers.
-fn placed_slab(patch: PatchSlab, placement: Option<&Placement>, unsure: f64) -> Option<PlacedSlab> {
+fn placed_slab(patch: &Patch, placement: Option<&Placement>, unsure: f64) -> Option<PlacedSlab> {
     let (mut error, mut slack) = (unsure, f64::from(patch.slack));
     let Some(p) = placement else {
         return Some(PlacedSlab { normal: patch.normal, lo: patch.lo, hi: patch.hi, error, slack });
