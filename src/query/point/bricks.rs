@@ -17,9 +17,6 @@ use crate::walk::{CellFrustum, Shells, Start};
 /// A brick with fewer objects yet undecided is not tested itself.
 const WORTH_TESTING: usize = 3;
 
-/// More bricks of a page than this, in one shell or together, are first tested as one box.
-const WORTH_TESTING_TOGETHER: usize = 4;
-
 /// Bricks of views without shells are taken in portions of this many, front to back.
 const PORTION: usize = 64;
 
@@ -120,11 +117,7 @@ fn walk_shells(finder: &mut ObjectFinder, lists: &mut BrickLists, around: &Shell
         }
         bricks.clear();
         bricks.append(&mut shells[m as usize % SHELLS_OF_PAGE]);
-        for of_page in bricks.chunk_by(|a, b| a.brick >> 3i32 == b.brick >> 3i32) {
-            if of_page.len() <= WORTH_TESTING_TOGETHER || !hides_all(&finder.drawing, of_page) {
-                of_page.iter().for_each(|found| visit(finder, *found, slots, volumes));
-            }
-        }
+        bricks.iter().for_each(|found| visit(finder, *found, slots, volumes));
         finish_bricks(finder, volumes);
         let in_shells =
             (m + 1..m + SHELLS_OF_PAGE as i32).find(|k| !shells[*k as usize % SHELLS_OF_PAGE].is_empty());
@@ -148,14 +141,6 @@ fn list_page(drawing: &Drawing, around: &Shells, page: IVec3, shells: &mut [Vec<
             shells[at.abs().max_element() as usize % SHELLS_OF_PAGE].push(found);
         }
     });
-}
-
-/// Whether the box around some bricks is hidden.
-fn hides_all(drawing: &Drawing, bricks: &[Found]) -> bool {
-    let boxes = bricks.iter().map(|found| CellBox { lo: found.brick, hi: found.brick });
-    boxes
-        .reduce(CellBox::join)
-        .is_some_and(|CellBox { lo, hi }| drawing.hides(&Block::new(drawing.bricks.range_bounds(lo, hi))))
 }
 
 /// Walks all bricks in the frustum, sorted along a direction.
