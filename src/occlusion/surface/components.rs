@@ -48,12 +48,8 @@ pub(super) fn draw_surfaces<S: Simd>(
     let window = buffer.window();
     let (first, count, step) = (window.first_tile(), window.tile_count(), window.step() * TILE as f64);
     for component in order.chunk_by(|a, b| a.1 == b.1) {
-        let mut patches = component.iter().map(|place| &scratch.seen[place.2 as usize]);
-        if !patches.all(|s| buffer.hides_pixels(&s.pixels, s.near)) {
-            let coverage = buffer.coverage_mut();
-            let mut sheet = Sheet { coverage, base: 0, first, count, step };
-            draw_component(simd, &mut sheet, component, &projector, &kept, scratch);
-        }
+        let mut sheet = Sheet { coverage: buffer.coverage_mut(), base: 0, first, count, step };
+        draw_component(simd, &mut sheet, component, &projector, &kept, scratch);
     }
     scratch.joined.order = order;
     scratch.kept = kept;
