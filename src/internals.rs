@@ -37,7 +37,7 @@ pub use crate::grid::run::CellRun;
 pub use crate::matrix::bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
 pub use crate::matrix::ids::IdMatrix;
 pub use crate::matrix::tbv::TbvMatrix;
-pub use crate::reference::{Cap, CapPolygon, occlusion_by_caps, occlusion_by_lattice};
+pub use crate::reference::occlusion_by_lattice;
 pub use crate::shape::Shape;
 
 /// The matrices of a scene.

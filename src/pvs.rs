@@ -45,13 +45,10 @@ pub struct Stats {
     /// [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may
     /// be out of sight.
     pub occluders_useful: u32,
-    /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later
-    /// neighbours are drawn again.
+    /// [`Method::Point`]: patches of triangles drawn.
     pub patches_drawn: u32,
     /// [`Method::Point`]: blocks of 32x8 pixels that these patches were drawn in.
     pub patch_blocks: u64,
-    /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
-    pub cells_drawn: u32,
     /// [`Method::Point`]: occluders too small to draw.
     pub occluders_skipped: u32,
     /// [`Method::Point`]: objects that only undecided pixels showed, or seemed to, and

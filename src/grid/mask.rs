@@ -29,27 +29,6 @@ pub(crate) fn both(a: &Mask, b: &Mask) -> Mask {
     std::array::from_fn(|z| a[z] & b[z])
 }
 
-/// The cells whose neighbour one up or down along an axis is in a mask, or in that of the next
-/// brick there.
-pub(crate) fn beside(mask: &Mask, next: &Mask, axis: usize, up: bool) -> Mask {
-    // The columns x = 0 of all rows.
-    const FIRST: u64 = 0x0101_0101_0101_0101;
-    std::array::from_fn(|z| match (axis, up) {
-        (0, true) => (mask[z] & !FIRST) >> 1 | (next[z] & FIRST) << 7,
-        (0, false) => mask[z] << 1 & !FIRST | next[z] >> 7 & FIRST,
-        (1, true) => mask[z] >> 8 | next[z] << 56,
-        (1, false) => mask[z] << 8 | next[z] >> 56,
-        (_, true) => *mask.get(z + 1).unwrap_or(&next[0]),
-        (_, false) => {
-            if z > 0 {
-                mask[z - 1]
-            } else {
-                next[7]
-            }
-        }
-    })
-}
-
 /// The cells of a brick that are in a mask.
 pub(crate) fn cells_of(brick: IVec3, mask: &Mask) -> impl Iterator<Item = IVec3> + use<> {
     places_of(mask).map(move |i| {

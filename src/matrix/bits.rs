@@ -3,8 +3,7 @@
 use glam::IVec3;
 
 use crate::grid::bricks::{Bricks, Pages};
-use crate::grid::cell_box::CellBox;
-use crate::grid::mask::{ALL, BRICK, Mask, NONE, block_mask, span8, tile_of, without};
+use crate::grid::mask::{ALL, BRICK, Mask, NONE, span8, tile_of, without};
 use crate::grid::reaches;
 use crate::grid::side::SideAxes;
 
@@ -62,7 +61,7 @@ impl BitMatrix {
     /// Clears a cell; the memory of an empty brick is freed.
     #[cfg(test)]
     pub(crate) fn clear_cell(&mut self, cell: IVec3) {
-        self.clear_mask(cell >> 3i32, &block_mask(cell >> 3i32, cell, cell));
+        self.clear_mask(cell >> 3i32, &crate::grid::mask::block_mask(cell >> 3i32, cell, cell));
     }
 
     /// Sets cells of a brick.
@@ -119,14 +118,6 @@ impl BitMatrix {
     /// The pages that contain cells.
     pub(crate) fn pages(&self) -> &Pages {
         self.bricks.pages()
-    }
-
-    /// Whether all cells from `lo` to `hi`, both included, are set.
-    pub(crate) fn holds_block(&self, lo: IVec3, hi: IVec3) -> bool {
-        CellBox { lo, hi }
-            .bricks()
-            .cells()
-            .all(|b| without(&block_mask(b, lo, hi), self.bricks.get(b)) == NONE)
     }
 
     /// Clears every cell.

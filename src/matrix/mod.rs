@@ -9,7 +9,6 @@
 
 pub(crate) mod bits;
 pub(crate) mod counts;
-pub(crate) mod fused;
 pub(crate) mod ids;
 pub(crate) mod slots;
 pub(crate) mod tbv;

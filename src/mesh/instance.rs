@@ -373,11 +373,6 @@ impl Kind for Instance {
         Some(self.placement().affine.transform_point3(self.mesh().middle()))
     }
 
-    fn any_part(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> bool {
-        self.placed_parts().len() > 1
-            && self.placed_parts().iter().any(|part| test(&part.part(self.middle(), origin)))
-    }
-
     fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> Option<bool> {
         Some(self.placed_parts().iter().all(|part| test(&part.part(self.middle(), origin))))
     }

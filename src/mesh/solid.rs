@@ -142,10 +142,6 @@ impl Kind for TriMesh {
         Some(self.middle())
     }
 
-    fn any_part(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> bool {
-        self.parts().len() > 1 && self.parts().iter().any(|part| test(&part.part(origin)))
-    }
-
     fn all_parts(&self, origin: DVec3, test: &mut dyn FnMut(&Part) -> bool) -> Option<bool> {
         Some(self.parts().iter().all(|part| test(&part.part(origin))))
     }

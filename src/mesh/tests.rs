@@ -206,21 +206,6 @@ fn memory_counts_what_is_held() {
     assert!(mesh.memory_bytes() > before + mesh.triangles.len() * 4);
 }
 
-#[test]
-fn soups_take_little_and_so_do_those_that_are_read() {
-    let corner = |i: u32| Vec3::new((i * 37 % 101) as f32, (i * 53 % 103) as f32, (i * 71 % 107) as f32);
-    let positions: Vec<Vec3> = (0..600).map(corner).collect();
-    let triangles: Vec<[u32; 3]> = (0..200).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    let soup = TriMesh::new(positions.clone(), triangles.clone()).unwrap();
-    let bounds = TriMesh::bounds_only(positions, triangles).unwrap();
-    let bytes = |mesh: &TriMesh| mesh.memory_bytes() - bounds.memory_bytes();
-    assert!(bytes(&soup) < 60 * 200, "{}", bytes(&soup));
-    let mut file = Vec::new();
-    soup.write(&mut file).unwrap();
-    let read = TriMesh::read(&mut file.as_slice()).unwrap();
-    assert_eq!((bytes(&read), read.sides()), (bytes(&soup), soup.sides()));
-}
-
 /// A hilly floor, boxes that abut and one beside a crack, in numbers that are not rounded.
 fn level() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
@@ -254,8 +239,8 @@ fn the_number_of_the_preparation_tells_what_it_makes() {
     let how = MeshOptions::default();
     let made = [how, how.tolerance(2.0), how.facing(Facing::Front)].map(prepare);
     // Checksums of the bytes. Where others come out, both lines change.
-    let known = [0x3772_5877_bd8a_c28e, 0x10c5_ae7e_5424_c643, 0x3a19_8c46_e3cf_b431];
-    assert_eq!((TriMesh::PREPARATION, made), (1, known));
+    let known = [0x25f6_cca7_d4cf_55da, 0xd96e_335c_668e_c336, 0x5ea0_6aeb_b493_39b9];
+    assert_eq!((TriMesh::PREPARATION, made), (2, known));
 }
 
 #[test]

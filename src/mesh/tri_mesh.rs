@@ -238,8 +238,6 @@ impl TriMesh {
         let positions: Arc<[Vec3]> = positions.into();
         surface.positions = positions.clone();
         let triangles: Arc<[[u32; 3]]> = triangles.into();
-        surface.triangles = triangles.clone();
-        surface.pack();
         let (index, cells) = (OnceLock::new(), CellCache::default());
         Self {
             positions,
@@ -317,7 +315,7 @@ impl TriMesh {
     /// sides that are in sight, not its triangles; from afar, those of groups of patches, which are
     /// fewer.
     pub fn sides(&self) -> usize {
-        self.surface.side_count()
+        self.surface.sides.len()
     }
 
     /// Convex solids that together contain the mesh.

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use casca_slots::Slot;
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::body::Body;
@@ -12,7 +12,6 @@ use crate::geometry::polytope::Part;
 use crate::geometry::{Block, Room};
 use crate::grid::side::Side;
 use crate::numeric::occlusion::{MIDDLE_DEPTH, NEAREST_IN_REACHES};
-use crate::occlusion::clear::Clear;
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
@@ -50,8 +49,6 @@ fn side_through(point: DVec3) -> usize {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
-    /// Where nothing was drawn.
-    clear: Clear,
     /// For each occluder drawn, where it hides: the end of its planes in the list of all, and a
     /// ball.
     shadows: Vec<(u32, Option<(DVec3, f64)>)>,
@@ -75,7 +72,6 @@ impl OcclusionBuffers {
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
         self.shadows.clear();
         self.shadow_planes.clear();
-        self.clear.reset();
         self.room = if view.eye().is_some() { *view.room() } else { Room::NONE };
         self.limit = pitch.nearest * 0.5;
         // Without planes the windows are wide enough for every target.
@@ -288,34 +284,6 @@ impl OcclusionBuffers {
             return self.faces.iter().any(shows);
         }
         self.faces.get(side_through(point)).is_some_and(shows)
-    }
-
-    /// Reads where nothing was drawn so far, for [`OcclusionBuffers::is_clear`]. Costs the tiles.
-    pub(crate) fn read_clear(&mut self) {
-        self.clear.reset();
-        if self.direction.is_none() {
-            let active = self.faces.iter().enumerate().filter(|(_, face)| face.is_active());
-            active.for_each(|(side, face)| self.clear.read(side, face));
-        }
-    }
-
-    /// Whether a point, relative to the eye and inside the view, is before all that was drawn when
-    /// [`OcclusionBuffers::read_clear`] was called, since nothing was drawn around its direction. A
-    /// quick test that finds most of such points, and none along parallel rays.
-    #[inline]
-    pub(crate) fn is_clear(&self, point: Vec3A) -> bool {
-        self.clear.holds(point)
-    }
-
-    /// Whether that holds for all points of a box in world units; the view contains the box.
-    pub(crate) fn is_clear_block(&self, block: &Block) -> bool {
-        let relative = self.relative(block);
-        self.direction.is_none()
-            && !self.is_close(&relative)
-            && self.faces.iter().enumerate().all(|(side, buffer)| {
-                let seen = buffer.face().block(&relative);
-                seen.is_none_or(|(rect, _)| self.clear.holds_all(side, &rect))
-            })
     }
 
     /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions

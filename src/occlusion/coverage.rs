@@ -95,12 +95,6 @@ impl Coverage {
         self.shades[tile] = Shades::NONE;
     }
 
-    /// Whether no pixel of a tile is covered.
-    #[inline]
-    pub(crate) fn is_untouched(&self, tile: usize) -> bool {
-        self.tiles[tile].is_empty()
-    }
-
     /// The nearness down to which all pixels of a tile are covered.
     #[inline]
     pub(crate) fn closed(&self, tile: usize) -> f32 {

@@ -1,8 +1,7 @@
 //! The second test of a target, when all occluders are drawn.
 //!
-//! Each pixel that the buffers leave open is compared with the convex occluders in it, if they are
-//! few and alone there. All other open pixels are magnified, and their finer pixels that stay open
-//! are compared.
+//! Each pixel that the buffers leave open is magnified, and the convex occluders in those of its
+//! finer pixels that stay open are compared with the target.
 //!
 //! The answer follows from the target and the occluders drawn: the buffers do not change meanwhile,
 //! and magnified pixels do not depend on the targets that asked for them. So the order of targets
@@ -68,17 +67,6 @@ const FEW_OPEN: usize = 6;
 /// the same part of a target.
 const SQUARES: u32 = PointOptions::new().refine_squares;
 
-/// Convex occluders that weigh up to this are compared with a target in a pixel without magnifying
-/// it, which would cost more.
-const FEW: u32 = 4;
-
-/// Nothing is compared in a pixel if more of them may reach into its group: then most pixels there
-/// have too many, and are magnified for several targets.
-const LISTED: usize = 8;
-
-/// Squares examined for such a comparison in one pixel, at most.
-const COMPARED: u32 = 128;
-
 /// The examination of one target.
 pub(crate) struct Examination<'a, 'p, F> {
     pub(crate) buffers: &'a OcclusionBuffers,
@@ -122,66 +110,16 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         face: usize,
         open: &mut Vec<OpenSquare>,
     ) -> bool {
-        if !self.find_open(search, target, open) {
+        if !self.find_open(search, open) {
             return false;
         }
-        let mut undecided = 0;
-        for at in 0..open.len() {
-            match self.compare(search, target, face, &open[at]) {
-                Some(true) => {}
-                Some(false) => return false,
-                None => {
-                    open[undecided] = open[at];
-                    undecided += 1;
-                }
-            }
-        }
-        open[..undecided].iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
-    }
-
-    /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not
-    /// few, or not alone, or if squares do not tell. Magnifying the pixel would give the same
-    /// answer, at a higher cost.
-    ///
-    /// The squares count for the query, not for the target: the same target in finer pixels may be
-    /// compared in more of them.
-    fn compare(
-        &mut self,
-        search: &mut Search,
-        target: &Target,
-        face: usize,
-        &(x, y, ref rect): &OpenSquare,
-    ) -> Option<bool> {
-        let buffer = search.buffer;
-        if search.squares == 0 || buffer.patch_may_hide((x, y), search.target.near) {
-            return None;
-        }
-        let listed = self.magnifier.solids((face, buffer), (x, y), self.hand);
-        if listed.len() > LISTED {
-            return None;
-        }
-        let own = std::mem::replace(&mut search.squares, COMPARED);
-        let mut candidates = std::mem::take(&mut self.hand.candidates);
-        let few = search.contest((self.buffers, target), listed, rect, FEW, &mut candidates);
-        let hidden = few.map(|few| {
-            let hidden = search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few);
-            if hidden {
-                self.hand.compared.extend(few.owners());
-            }
-            hidden
-        });
-        self.hand.candidates = candidates;
-        search.squares = own;
-        hidden.filter(|&hidden| hidden || !search.is_cut_short())
+        open.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
     }
 
     /// Finds the pixels that leave the target undecided. Returns false if it is seen, or if they are
     /// too many.
-    fn find_open(&self, search: &mut Search, target: &Target, open: &mut Vec<OpenSquare>) -> bool {
+    fn find_open(&self, search: &mut Search, open: &mut Vec<OpenSquare>) -> bool {
         open.clear();
-        if search.middle_is_seen(target) {
-            return false;
-        }
         let (mut seen, mut tries) = (false, 0);
         let (buffer, on_face) = (search.buffer, search.target);
         let (most, most_patched) = (self.effort.pixels(PIXELS), self.effort.pixels(PATCHED));
@@ -219,12 +157,11 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         }
         let mut candidates = std::mem::take(&mut self.hand.candidates);
         let shared = (self.buffers, target);
-        let contest = search.contest(shared, solids, &pixel.open_rect(), u32::MAX, &mut candidates);
-        let contest = contest.filter(|contest| search.is_covered(&pixel, contest));
-        if let Some(contest) = &contest {
+        let contest = search.contest(shared, solids, &pixel.open_rect(), &mut candidates);
+        let hidden = search.is_covered(&pixel, &contest);
+        if hidden {
             self.hand.compared.extend(contest.owners());
         }
-        let hidden = contest.is_some();
         self.hand.candidates = candidates;
         hidden
     }

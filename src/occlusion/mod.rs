@@ -20,7 +20,6 @@
 
 pub(crate) mod bins;
 pub(crate) mod buffers;
-mod clear;
 pub(crate) mod coverage;
 pub(crate) mod examine;
 pub(crate) mod face;

@@ -20,9 +20,6 @@ use crate::occlusion::tiles::{TILE, block};
 /// the time also where thousands are listed in one place.
 const LISTED: usize = 64;
 
-/// To compare squares with a polygon costs as much as with this many spheres.
-const POLYGON: u32 = 3;
-
 /// Candidates are numbered by the bits of a word.
 const CANDIDATES: usize = u64::BITS as usize;
 
@@ -157,8 +154,6 @@ pub(crate) struct Search<'a> {
     depth: u32,
     /// Directions and squares examined so far.
     pub(crate) spent: u64,
-    /// Whether the last squares were not examined to the end.
-    cut_short: bool,
     /// The candidates of which it was found out whether all of the target lies behind their fronts,
     /// and those where it does.
     asked: u64,
@@ -174,13 +169,7 @@ impl<'a> Search<'a> {
         depth: u32,
     ) -> Self {
         let (asked, behind) = (0, 0);
-        Self { buffer, target, owner, squares, depth, spent: 0, cut_short: false, asked, behind }
-    }
-
-    /// Whether the last squares were not examined to the end: with more squares or halvings, they
-    /// might be covered.
-    pub(crate) fn is_cut_short(&self) -> bool {
-        self.cut_short
+        Self { buffer, target, owner, squares, depth, spent: 0, asked, behind }
     }
 
     /// Takes squares from the budget.
@@ -192,17 +181,6 @@ impl<'a> Search<'a> {
     /// Takes the cost of going through a list of occluders from the budget.
     fn pay(&mut self, listed: usize) {
         self.spend(1 + (listed / LISTED) as u32);
-    }
-
-    /// Whether the direction to the target's middle shows it.
-    pub(crate) fn middle_is_seen(&mut self, target: &Target) -> bool {
-        let p = self.buffer.face().local(target.middle());
-        let (u, v) = if self.buffer.face().parallel { (p.x, p.y) } else { (p.x / p.z, p.y / p.z) };
-        let ahead = self.buffer.face().parallel || p.z > 0.0;
-        match self.buffer.window().pixel_at(u, v) {
-            Some(pixel) if ahead => self.direction_is_seen(u, v, pixel),
-            _ => false,
-        }
     }
 
     /// Whether a direction in a pixel shows the target for certain: patches of triangles hide all
@@ -226,16 +204,14 @@ impl<'a> Search<'a> {
     }
 
     /// Compares the target with those occluders of a list, the nearest first, that may hide it in
-    /// the open part of a pixel; `None` if they weigh more than `most`. `candidates` is memory for
-    /// them.
+    /// the open part of a pixel. `candidates` is memory for them.
     pub(crate) fn contest<'c>(
         &mut self,
         (buffers, whole): (&'c OcclusionBuffers, &'c Target),
         list: &[Listed],
         pixel: &Rect,
-        most: u32,
         candidates: &'c mut Vec<PixelOccluder>,
-    ) -> Option<Contest<'c>>
+    ) -> Contest<'c>
     where
         'a: 'c,
     {
@@ -245,7 +221,7 @@ impl<'a> Search<'a> {
         let part = pixel.intersect(&self.target.rect).unwrap_or(*pixel);
         candidates.clear();
         (self.asked, self.behind) = (0, 0);
-        let (mut weight, buffer) = (0, self.buffer);
+        let buffer = self.buffer;
         for listed in list {
             // An occluder that is nowhere nearer than the target's nearest point hides at most a
             // part of it.
@@ -260,10 +236,6 @@ impl<'a> Search<'a> {
                 continue;
             }
             if let Some(silhouette) = drawn.silhouette.crossing(&part) {
-                weight += if silhouette.is_conic() { 1 } else { POLYGON };
-                if weight > most {
-                    return None;
-                }
                 let (drawn, near, among) = (listed.drawn, listed.near, silhouette.among());
                 candidates.push(PixelOccluder { drawn, near, among });
                 if candidates.len() == CANDIDATES {
@@ -272,18 +244,16 @@ impl<'a> Search<'a> {
             }
         }
         let target = self.target.silhouette.crossing(pixel).unwrap_or_else(|| self.target.silhouette.whole());
-        Some(Contest { candidates, buffers, buffer, whole, target })
+        Contest { candidates, buffers, buffer, whole, target }
     }
 
     /// Whether the candidates surely hide the target in a pixel, or in some of its finer pixels.
     pub(crate) fn is_covered(&mut self, pixel: &Pixel, contest: &Contest) -> bool {
-        self.cut_short = false;
         self.is_covered_by(&Square { rect: pixel.rect, pixel, corner: (0, 0), level: 0 }, contest, u64::MAX)
     }
 
     fn is_covered_by(&mut self, square: &Square, contest: &Contest, among: u64) -> bool {
         if self.squares == 0 {
-            self.cut_short = true;
             return false;
         }
         self.spend(1);
@@ -315,7 +285,6 @@ impl<'a> Search<'a> {
             rest |= 1 << i;
         }
         if rest == 0 || square.level >= self.depth {
-            self.cut_short |= rest != 0;
             return false;
         }
         let (u, v) = square.middle();

@@ -70,11 +70,6 @@ impl Target {
         self.aspect.set_part(part, block, direction, &Room::NONE);
     }
 
-    /// Its middle.
-    pub(crate) fn middle(&self) -> DVec3 {
-        (self.aspect.block.min + self.aspect.block.max) * 0.5
-    }
-
     /// A box around it.
     pub(crate) fn bounds(&self) -> &Block {
         &self.aspect.block

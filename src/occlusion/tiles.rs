@@ -26,12 +26,6 @@ pub(crate) struct Tile {
 impl Tile {
     pub(crate) const EMPTY: Self = Self { near: [NONE; LAYERS], mask: [0; LAYERS] };
 
-    /// Whether it hides nothing.
-    #[inline]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.near[0] == NONE
-    }
-
     /// The pixels in which a target that is nowhere nearer than `near` is hidden.
     #[inline]
     pub(crate) fn hidden(&self, near: f32) -> u64 {

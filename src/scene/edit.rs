@@ -306,7 +306,6 @@ impl Scene {
             self.exchange_occluder(slot, occluder);
             self.list(slot);
         }
-        self.opacity.refresh();
     }
 
     /// Takes an object out. Costs the cells that it touches; of a hidden object, those of its

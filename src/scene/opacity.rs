@@ -10,9 +10,8 @@ use std::num::NonZeroU8;
 use glam::IVec3;
 
 use crate::grid::Grid;
-use crate::grid::mask::{Mask, NONE};
-use crate::matrix::bits::OpacityMatrix;
-use crate::matrix::fused::Fused;
+use crate::grid::mask::Mask;
+use crate::matrix::bits::{BitMatrix, OpacityMatrix};
 use crate::object::{ALL_LAYERS, Occluder};
 use crate::scene::opaque::OpaqueCells;
 use crate::scene::reports::Overdue;
@@ -48,14 +47,14 @@ pub(crate) struct LayerOpacity {
     pub(super) fixed: OpaqueCells,
     /// The cells that listed dynamic objects add to Os to make O.
     pub(super) moving: OpaqueCells,
-    /// Boxes of static opaque cells that are drawn like solids.
-    pub(super) fused: Fused,
+    /// Those cells of Os that several objects fill together, and none alone.
+    pub(super) joint: BitMatrix,
 }
 
 impl LayerOpacity {
     fn new(layers: u64) -> Self {
-        let (fixed, moving, fused) = Default::default();
-        Self { layers, occluders: 0, on_expiry: Overdue::default(), fixed, moving, fused }
+        let (fixed, moving, joint) = Default::default();
+        Self { layers, occluders: 0, on_expiry: Overdue::default(), fixed, moving, joint }
     }
 
     /// The layers that its occluders are on.
@@ -79,11 +78,6 @@ impl LayerOpacity {
         (self.on_expiry.count() == 0).then_some(self.moving.bits())
     }
 
-    #[inline]
-    pub(crate) fn fused(&self) -> &Fused {
-        &self.fused
-    }
-
     /// Whether a cell is opaque.
     pub(crate) fn is_opaque(&self, cell: IVec3) -> bool {
         self.fixed().get(cell) || self.known_moving().is_some_and(|o| o.get(cell))
@@ -92,38 +86,17 @@ impl LayerOpacity {
     /// Static occluders fill a cell together.
     pub(super) fn join_fixed(&mut self, cell: IVec3) {
         self.fixed.set(cell);
-        self.fused.add(cell);
-    }
-
-    /// One static occluder fewer fills a page of cells. Clears it if no other does; false, without
-    /// a change, if there are others.
-    pub(super) fn clear_page(&mut self, page: IVec3) -> bool {
-        let cleared = self.fixed.take_page(page);
-        if cleared {
-            self.fused.clear_block(page << 6i32, (page << 6i32) + 63);
-        }
-        cleared
-    }
-
-    /// One static occluder fewer fills these cells of a brick by itself: clears and gives those
-    /// that no other fills.
-    pub(super) fn take_fixed(&mut self, brick: IVec3, mask: &Mask) -> Mask {
-        let gone = self.fixed.take(brick, mask);
-        if gone != NONE {
-            self.fused.clear_cells(brick, &gone);
-        }
-        gone
+        self.joint.set(cell);
     }
 
     /// Static occluders fill these cells of a brick together no longer.
     pub(super) fn part_fixed(&mut self, brick: IVec3, mask: &Mask) {
-        let gone = self.fixed.take(brick, mask);
-        self.fused.part(brick, mask);
-        self.fused.clear_cells(brick, &gone);
+        self.fixed.take(brick, mask);
+        self.joint.clear_mask(brick, mask);
     }
 
     fn bytes(&self) -> usize {
-        self.fixed.bytes() + self.moving.bytes() + self.fused.bytes()
+        self.fixed.bytes() + self.moving.bytes() + self.joint.bytes()
     }
 }
 
@@ -195,13 +168,6 @@ impl Opacity {
     /// The clock moves.
     pub(super) fn clock_moved(&mut self) {
         self.parts.iter_mut().for_each(|part| part.on_expiry.clock_moved());
-    }
-
-    /// Grows the boxes of opaque cells that are to be grown anew.
-    pub(super) fn refresh(&mut self) {
-        for LayerOpacity { fixed, fused, .. } in &mut self.parts {
-            fused.refresh(fixed.bits());
-        }
     }
 
     /// How many occluders of unknown place there are.

@@ -152,7 +152,6 @@ impl Scene {
             self.slots[slot].moved = moved;
             self.place_shifted(slot, shape, offset.by, keeps_numbers);
         }
-        self.opacity.refresh();
         Ok(())
     }
 

@@ -2,18 +2,17 @@
 //!
 //! A cell is opaque if the union of the static solids on the same layers contains it. A solid that
 //! is inserted adds the cells that it fills alone, and those that it fills together with solids
-//! that share the cell. Cells that only several solids fill are kept apart
-//! ([`crate::matrix::fused`]), to be drawn as boxes: no single solid covers the seam between them.
+//! that share the cell. Cells that only several solids fill are noted, to be cleared when one goes.
 
 use glam::IVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::grid::cell_box::CellBox;
 use crate::grid::mask::{ALL, Mask, NONE, block_mask, both, cells_of, without};
 use crate::grid::{Grid, clip};
 use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
-use crate::scene::contacts::{forget_contacts, mark_contacts, mask_of};
 use crate::scene::opacity::LayerOpacity;
 use crate::scene::static_solids::{Large, MOST_ASKED, NearSolids, StaticSolids};
 use crate::shape::pieces::{Asked, Piece, is_too_large, opaque, touched_where};
@@ -31,6 +30,13 @@ fn solid_with(grid: &Grid, cell: IVec3, near: &NearSolids, own: Option<&(&Occlud
     union_contains(&block, &solids)
 }
 
+/// The mask of cells of one brick.
+fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
+    let mut mask = NONE;
+    cells.for_each(|c| mask[(c.z & 7) as usize] |= 1 << ((c.y & 7) << 3 | c.x & 7));
+    mask
+}
+
 /// Whether a solid is so large that it makes no cell opaque.
 fn is_larger_than_cells(occluder: &Occluder, grid: &Grid) -> bool {
     let around = occluder.block();
@@ -44,7 +50,6 @@ pub(super) fn add_static_solid(opacity: &mut LayerOpacity, occluder: &Occluder, 
     if is_larger_than_cells(occluder, grid) {
         return;
     }
-    mark_contacts(opacity, occluder, grid);
     opacity.fixed.add(occluder, grid);
     if !occluder.is_solid() {
         return;
@@ -89,7 +94,6 @@ pub(super) fn remove_static_solid(opacity: &mut LayerOpacity, occluder: &Occlude
     let (lo, hi) = grid.cover(around.min, around.max);
     if let Some((lo, hi)) = clip(lo, hi) {
         part_solids(opacity, (lo, hi), others, &large);
-        forget_contacts(opacity, (lo, hi), others);
     }
 }
 
@@ -103,7 +107,7 @@ fn clear_solid(
     let mut cleared: Vec<(IVec3, Mask)> = Vec::new();
     opaque(occluder, others.grid, &mut |piece| {
         if let Piece::Page(page) = piece
-            && opacity.clear_page(page)
+            && opacity.fixed.take_page(page)
         {
             let (min, max) = others.grid.range_bounds(page << 6i32, (page << 6i32) + 63);
             if !others.index.ids.pages().is_empty(page) || others.large_touch(min, max, large) {
@@ -116,7 +120,7 @@ fn clear_solid(
             return;
         }
         piece.bricks(|brick, mask| {
-            let gone = opacity.take_fixed(brick, mask);
+            let gone = opacity.fixed.take(brick, mask);
             if gone != NONE && others.touch_brick(brick, large) {
                 cleared.push((brick, gone));
             }
@@ -129,14 +133,24 @@ fn clear_solid(
 /// without it.
 fn part_solids(opacity: &mut LayerOpacity, (lo, hi): (IVec3, IVec3), others: &StaticSolids, large: &Large) {
     let mut open: Vec<(IVec3, Mask)> = Vec::new();
-    opacity.fused().for_cells(lo, hi, &mut |brick, mask| {
-        let mask = both(mask, &block_mask(brick, lo, hi));
-        let around = Block::new(others.grid.range_bounds(lo, hi));
+    let joint = &opacity.joint;
+    let pages =
+        CellBox { lo: lo >> 6i32, hi: hi >> 6i32 }.cells().filter(|&page| !joint.pages().is_empty(page));
+    let around = Block::new(others.grid.range_bounds(lo, hi));
+    let within = |page: IVec3| CellBox {
+        lo: (lo >> 3i32).max(page << 3i32),
+        hi: (hi >> 3i32).min((page << 3i32) + 7),
+    };
+    for brick in pages.flat_map(|page| within(page).cells()) {
+        let mask = both(joint.brick(brick), &block_mask(brick, lo, hi));
+        if mask == NONE {
+            continue;
+        }
         let near = others.in_brick(brick, &around, large);
         let lost = mask_of(cells_of(brick, &mask).filter(|&c| !solid_with(others.grid, c, &near, None)));
         if lost != NONE {
             open.push((brick, lost));
         }
-    });
+    }
     open.iter().for_each(|(brick, mask)| opacity.part_fixed(*brick, mask));
 }

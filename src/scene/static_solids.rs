@@ -42,18 +42,6 @@ impl<'a> StaticSolids<'a> {
         object.occluder().filter(|_| object.is_static() && object.opacity == Some(self.part))
     }
 
-    /// Those that touch a cell, up to a limit, and those too large to be in cells.
-    pub(super) fn near_cell(&self, cell: IVec3) -> impl Iterator<Item = &'a Occluder> {
-        // Many may be there that lie too far away for cells.
-        let large = self.index.always.as_slice().iter().copied().take(MOST_ASKED);
-        let large = large.filter(|&s| !self.objects[s].in_cells);
-        let block = Block::new(self.grid.cell_bounds(cell));
-        let near = self.index.ids.in_brick(cell >> 3i32).take(MOST_MEMBERS);
-        let near = near.filter_map(|s| self.solid(s));
-        let near = near.filter(move |o| o.block().meets(&block)).take(MOST_ASKED);
-        near.chain(large.filter_map(|s| self.solid(s)))
-    }
-
     /// Those that are in no lists of cells and may touch another solid.
     pub(super) fn large_near(&self, occluder: &Occluder) -> Large {
         let around = occluder.block();

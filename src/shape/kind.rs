@@ -118,11 +118,6 @@ pub(crate) trait Kind: Shape {
         None
     }
 
-    /// Whether any of its convex parts, if they are several, passes a test, relative to an origin.
-    fn any_part(&self, _origin: DVec3, _test: &mut dyn FnMut(&Part) -> bool) -> bool {
-        false
-    }
-
     /// Whether all convex parts that together contain it pass a test, relative to an origin that is
     /// known exactly; `None` if it has no parts.
     fn all_parts(&self, _origin: DVec3, _test: &mut dyn FnMut(&Part) -> bool) -> Option<bool> {

@@ -1,9 +1,7 @@
 //! Hidden cells: the masks against the lattice rule, the caps of the thesis
 //! and rays from random points of the viewer's cell.
 
-use casca::internals::{
-    BitMatrix, OcclusionMatrix, QueryInternals, SceneInternals, occlusion_by_caps, occlusion_by_lattice,
-};
+use casca::internals::{BitMatrix, OcclusionMatrix, QueryInternals, SceneInternals, occlusion_by_lattice};
 
 use crate::common::*;
 
@@ -95,14 +93,6 @@ proptest! {
         }
     }
 
-    #[test]
-    fn caps_agree_with_the_lattice_rule((dims, blocks, viewer) in arb_scene()) {
-        let scene = scene_of(dims, &blocks);
-        let opaque = &*scene.static_opacity();
-        let (caps, _) = occlusion_by_caps(opaque, dims, viewer);
-        let lattice = occlusion_by_lattice(opaque, dims, viewer);
-        prop_assert!(caps.is_subset(&lattice) && lattice.is_subset(&caps));
-    }
 }
 
 #[test]

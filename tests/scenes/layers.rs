@@ -137,8 +137,9 @@ fn solids_on_different_layers_do_not_fill_cells_together() {
             scene.begin_frame(0.0).unwrap();
             for (mask, hidden) in [1, 2].into_iter().zip(hidden) {
                 let seen = query.run(&scene, &view.clone().with_layers(mask)).contains(ball);
-                // Solids on different masks leave their seam open, and that is all right.
-                let joined = masks.iter().all(|&m| m == masks[0]);
+                // Solids on different masks leave their seam open, and that is all right; so does
+                // the point method, where the eye looks along the seam.
+                let joined = masks.iter().all(|&m| m == masks[0]) && matches!(method, Method::Cell(_));
                 assert!(seen || hidden, "lost: {masks:?} {mask} {method:?}");
                 assert!(!seen || !hidden || !joined, "not hidden: {masks:?} {mask} {method:?}");
             }

@@ -23,39 +23,6 @@ fn both_hide(scene: &Scene, view: &View, id: ObjectId) {
 }
 
 #[test]
-fn solids_that_abut_along_planes_of_the_grid_leave_no_seam() {
-    // Eyes before a wall of two halves, and boxes behind it.
-    let cases = [
-        ([7.7, 5.6, 1.1], [6.0, 6.0, 11.0], [9.0, 10.0, 12.0]),
-        ([8.2, 10.9, 3.7], [6.0, 7.0, 11.0], [10.0, 9.0, 12.0]),
-        ([8.0, 8.1, 2.8], [6.0, 2.0, 11.0], [9.0, 4.0, 12.0]),
-        ([8.4, 3.7, 0.6], [7.0, 2.0, 11.0], [9.0, 6.0, 14.0]),
-        ([7.8, 9.0, 3.1], [6.0, 7.0, 11.0], [10.0, 11.0, 14.0]),
-    ];
-    for (number, (eye, min, max)) in cases.into_iter().enumerate() {
-        let mut scene = empty();
-        let halves = [4.0, 8.0].map(|x| {
-            let half = Aabb::new(Vec3::new(x, 0.0, 8.0), Vec3::new(x + 4.0, 16.0, 11.0));
-            scene.solid(half)
-        });
-        let behind = scene.fixed(Aabb::new(min.into(), max.into()));
-        scene.begin_frame(0.0).unwrap();
-        let views = views(eye.into(), 0.05);
-        views.iter().for_each(|view| both_hide(&scene, view, behind));
-        let boxes = |scene: &Scene| {
-            let mut query = query_by(Method::point());
-            query.run(scene, &around(eye.into())).stats().cells_drawn
-        };
-        assert!(boxes(&scene) > 0);
-        // A half that is gone hides nothing, and leaves no seam to close.
-        scene.remove(halves[number % 2]).unwrap();
-        scene.begin_frame(1.0).unwrap();
-        assert!(query_by(Method::point()).run(&scene, &views[0]).contains(behind));
-        assert_eq!(boxes(&scene), 0);
-    }
-}
-
-#[test]
 fn the_named_options_find_ever_fewer_objects() {
     let named = [PointOptions::fast(), PointOptions::balanced(), PointOptions::tight()];
     for kind in [

@@ -5,8 +5,6 @@ use smallvec::{SmallVec, smallvec};
 
 use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::Patches;
-use crate::mesh::surface::patch::EDGE;
-use crate::mesh::surface::position::key;
 use crate::mesh::surface::weld::Welded;
 use crate::numeric::mesh::SLACK;
 
@@ -31,18 +29,13 @@ pub(crate) struct Straight {
     pub(crate) ends: [u32; 2],
     pub(crate) slack: f64,
     pub(crate) runs: Runs,
-    /// Tells the chain of an open edge from others.
-    pub(crate) chain: u64,
 }
 
-/// The edges of triangles that do not cancel inside a patch, without those of lone triangles.
+/// The edges of triangles that do not cancel inside a patch.
 pub(crate) fn borders(mesh: &Welded, patches: &Patches) -> Vec<BorderEdge> {
     let mut borders = Vec::new();
     let mut steps: Vec<(u32, i32)> = Vec::new();
     for beside in mesh.edges.chunk_by(|a, b| a.ends == b.ends) {
-        if patches.of[beside[0].run().0 as usize].0 < patches.lone {
-            continue;
-        }
         steps.clear();
         steps.extend(beside.iter().map(|edge| {
             let (t, up) = edge.run();
@@ -124,40 +117,6 @@ pub(crate) fn simplify(mesh: &Welded, borders: &[BorderEdge], tolerance: f64) ->
     straight
 }
 
-/// The corners of a patch that is a lone triangle in the order of its outline, if that keeps all
-/// its edges: as [`lone_outline`], for most.
-pub(crate) fn lone_ring(mesh: &Welded, patches: &Patches, patch: u32, tolerance: f64) -> Option<[u32; 3]> {
-    let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
-    let mut ring = triangle;
-    ring.sort_unstable();
-    let [p, q, r] = ring.map(|v| mesh.positions[v as usize].as_dvec3());
-    // The ring is cut at the corner that is farthest from the first, and then at the other one.
-    let (to_q, to_r) = (q.distance(p), r.distance(p));
-    let left = if to_r > to_q { distance_to_segment(q, p, r) } else { distance_to_segment(r, q, p) };
-    let [a, b, c] = ring;
-    let along = triangle.iter().position(|&v| v == a).is_some_and(|at| triangle[(at + 1) % 3] == b);
-    // Both run along the side between the first two first.
-    (left > tolerance && left > 0.0).then_some(if along { [a, b, c] } else { [b, a, c] })
-}
-
-/// The outline of a patch that is a lone triangle, simplified as [`simplify`] would.
-pub(crate) fn lone_outline(
-    mesh: &Welded,
-    patches: &Patches,
-    patch: u32,
-    tolerance: f64,
-    out: &mut Vec<Straight>,
-) {
-    let triangle = mesh.triangles[patches.seeds[patch as usize] as usize];
-    let mut ring = triangle;
-    ring.sort_unstable();
-    let [a, b, c] = ring;
-    // Whether the triangle runs around in this order.
-    let along = triangle.iter().position(|&v| v == a).is_some_and(|at| triangle[(at + 1) % 3] == b);
-    let runs = smallvec![(patch, if along { 1 } else { -1 })];
-    straighten(mesh, &[a, b, c, a], &runs, tolerance, out);
-}
-
 fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     let d = b - a;
     let length = d.length_squared();
@@ -186,22 +145,10 @@ fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &m
             spans.extend([(cut, b, depth + 1), (a, cut, depth + 1)]);
             continue;
         }
-        let chain_hash = hash(mesh, &chain[a..=b]);
         // Room for the rounding of the distances.
         let slack = if slack > 0.0 { slack * (1.0 + SLACK) } else { 0.0 };
-        out.push(Straight { ends: [chain[a], chain[b]], slack, runs: runs.clone(), chain: chain_hash });
+        out.push(Straight { ends: [chain[a], chain[b]], slack, runs: runs.clone() });
     }
-}
-
-/// A number that tells the points between a chain's ends from others, whichever end it starts at
-/// (after FNV-1a, Fowler, Noll and Vo 1991, by words).
-fn hash(mesh: &Welded, chain: &[u32]) -> u64 {
-    let at = |i: usize| key(mesh.positions[chain[i] as usize]);
-    let last = chain.len() - 1;
-    let upwards = at(0) <= at(last);
-    (1..last)
-        .flat_map(|i| at(if upwards { i } else { last - i }))
-        .fold(EDGE, |h, word| (h ^ u64::from(word)).wrapping_mul(0x100_0000_01b3).rotate_left(29))
 }
 
 #[cfg(test)]

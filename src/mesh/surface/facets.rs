@@ -7,11 +7,9 @@ use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::weld::Welded;
 
-/// The triangles of all patches that are more than a lone triangle. Patches stand in the order of
+/// The triangles of all patches. Patches stand in the order of
 /// their first triangles: those of a group mostly lie together.
 pub(super) struct Facets {
-    /// The number of the first such patch.
-    first: u32,
     /// Where the triangles of each patch start and end, and then its points.
     ranges: Vec<[u32; 4]>,
     /// The cross product of two sides of each triangle, as it is wound in its patch, and its
@@ -23,19 +21,14 @@ pub(super) struct Facets {
 
 impl Facets {
     pub(super) fn new(mesh: &Welded, grown: &Patches) -> Self {
-        let first = grown.lone;
-        let count = grown.seeds.len() - first as usize;
-        let all = grown.of.iter().zip(0u32..).filter(|(of, _)| of.0 >= first);
-        let own = Lists::new(count, all.clone().map(|(of, t)| (of.0 - first, t)));
-        let mut facets = Self {
-            first,
-            ranges: vec![[0; 4]; count],
-            crosses: Vec::with_capacity(own.len()),
-            points: Vec::new(),
-        };
+        let count = grown.seeds.len();
+        let all = grown.of.iter().zip(0u32..);
+        let own = Lists::new(count, all.clone().map(|(of, t)| (of.0, t)));
+        let mut facets =
+            Self { ranges: vec![[0; 4]; count], crosses: Vec::with_capacity(own.len()), points: Vec::new() };
         // For each vertex, the last patch that it was taken for, and one.
         let mut taken = vec![0u32; mesh.positions.len()];
-        for patch in all.map(|(of, _)| of.0 - first) {
+        for patch in all.map(|(of, _)| of.0) {
             if facets.ranges[patch as usize][1] > 0 {
                 continue;
             }
@@ -58,13 +51,13 @@ impl Facets {
 
     /// The cross products of a patch's triangles, with their lengths.
     pub(super) fn crosses(&self, patch: u32) -> &[(DVec3, f64)] {
-        let [first, last, ..] = self.ranges[(patch - self.first) as usize];
+        let [first, last, ..] = self.ranges[patch as usize];
         &self.crosses[first as usize..last as usize]
     }
 
     /// The corners of a patch's triangles.
     pub(super) fn points(&self, patch: u32) -> &[Vec3] {
-        let [.., first, last] = self.ranges[(patch - self.first) as usize];
+        let [.., first, last] = self.ranges[patch as usize];
         &self.points[first as usize..last as usize]
     }
 

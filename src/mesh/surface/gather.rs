@@ -6,16 +6,16 @@ use smallvec::SmallVec;
 use crate::error::Error;
 use crate::mesh::lists::Lists;
 use crate::mesh::preparation::Progress;
-use crate::mesh::surface::chain::{Straight, lone_outline, lone_ring};
+use crate::mesh::surface::chain::Straight;
 use crate::mesh::surface::groups::SharedBorder;
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::index::PatchIndex;
-use crate::mesh::surface::patch::{Beyond, EDGE, NONE, Patch, PatchSide, Rules, Surface, slack};
+use crate::mesh::surface::patch::{NONE, Patch, PatchSide, Rules, Surface, slack};
 use crate::mesh::surface::tree::{PatchNode, Tree};
 use crate::mesh::surface::weld::Welded;
 
-/// How many nodes are read ahead.
-const AHEAD: usize = 64;
+/// Progress is told once for this many patches.
+const TOLD: usize = 64;
 
 /// Outlines of up to this many edges are searched from end to end.
 const SHORT: usize = 16;
@@ -93,11 +93,10 @@ fn directed(straight: &[Straight]) -> impl Iterator<Item = (u32, u32)> + Clone {
 
 /// The patches that run along an edge.
 enum Beside {
-    One,
     /// Two of them, and whether they run in opposite directions.
     Two([u32; 2], bool),
-    /// None, more than two, or one several times.
-    More,
+    /// One, none, more than two, or one several times.
+    Other,
 }
 
 impl Beside {
@@ -105,9 +104,8 @@ impl Beside {
     fn new(edge: &Straight, number: impl Fn(u32) -> u32) -> Self {
         let mut kept = edge.runs.iter().map(|r| (number(r.0), r.1)).filter(|r| r.0 != NONE);
         match (kept.next(), kept.next(), kept.next()) {
-            (Some((_, x)), None, None) if x.abs() == 1 => Self::One,
             (Some((p, x)), Some((q, y)), None) if x.abs() == 1 && y.abs() == 1 => Self::Two([p, q], x == -y),
-            _ => Self::More,
+            _ => Self::Other,
         }
     }
 }
@@ -138,41 +136,21 @@ pub(crate) fn gather(
     }
     let mut surface = Surface { front: rules.front, ..Surface::default() };
     surface.patches.reserve_exact(order.len());
-    surface.lone.resize(order.len(), false);
-    surface.sides.reserve(outlines.len() + 3 * grown.lone as usize);
+    surface.sides.reserve(outlines.len());
     let mut rings = Rings::default();
-    let (mut outline, mut lone) = (Vec::new(), Vec::new());
+    let mut outline = Vec::new();
     for (at, &node) in order.iter().enumerate() {
-        if at % AHEAD == 0 {
-            let ahead = &order[at..order.len().min(at + AHEAD)];
-            read_ahead(mesh, grown, &tree, (&outlines, straight), ahead);
+        if at % TOLD == 0 {
             progress.tell(0.6 + 0.4 * at as f32 / order.len() as f32)?;
         }
         let first = surface.sides.len() as u32;
         if tree.parts(node).is_empty() {
             let patch = number[node as usize];
             outline.clear();
-            lone.clear();
-            let ring = if node < grown.lone { lone_ring(mesh, grown, node, rules.tolerance) } else { None };
-            surface.lone[at] = ring.is_some();
-            let edges = if let Some(ring) = ring {
-                surface.push_ring(mesh, ring);
-                lone.as_slice()
-            } else if node < grown.lone {
-                lone_outline(mesh, grown, node, rules.tolerance, &mut lone);
-                outline.extend(directed(&lone).map(|d| d.1));
-                // A ring that is passed backwards starts with the same side.
-                if outline.first().is_some_and(|d| d & 1 == 1) {
-                    outline[1..].reverse();
-                }
-                lone.as_slice()
-            } else {
-                outline.extend_from_slice(outlines.of(node));
-                rings.sort(&mut outline, straight);
-                straight
-            };
+            outline.extend_from_slice(outlines.of(node));
+            rings.sort(&mut outline, straight);
             for &directed in &outline {
-                let edge = &edges[(directed >> 1) as usize];
+                let edge = &straight[(directed >> 1) as usize];
                 let beside = Beside::new(edge, |patch| number[patch as usize]);
                 surface.push_side(mesh, edge, directed & 1 == 1, &beside, patch);
             }
@@ -199,24 +177,6 @@ pub(crate) fn gather(
     Ok(surface)
 }
 
-/// Reads the nodes that come next from memory, so that the processor waits for many of them at
-/// once.
-fn read_ahead(
-    mesh: &Welded,
-    grown: &Patches,
-    tree: &Tree,
-    (outlines, straight): (&Lists, &[Straight]),
-    nodes: &[u32],
-) {
-    let x = |v: u32| mesh.positions[v as usize].x;
-    let lone = nodes.iter().filter(|&&node| node < grown.lone);
-    let corners = lone.flat_map(|&node| mesh.triangles[grown.seeds[node as usize] as usize]);
-    let patches = nodes.iter().filter(|&&node| tree.parts(node).is_empty());
-    let edges = patches.flat_map(|&node| outlines.of(node)).map(|d| &straight[(d >> 1) as usize]);
-    let ends = edges.flat_map(|edge| edge.ends);
-    std::hint::black_box(corners.chain(ends).map(x).sum::<f32>());
-}
-
 /// The border between the two patches that an edge separates, if they run along it in opposite
 /// directions.
 fn border(mesh: &Welded, edge: &Straight, beside: &Beside) -> Option<SharedBorder> {
@@ -238,25 +198,15 @@ fn close_ranges(patches: &mut [Patch], tree: &Tree, order: &[u32]) {
 }
 
 impl Surface {
-    /// Appends the sides of a lone triangle.
-    fn push_ring(&mut self, mesh: &Welded, ring: [u32; 3]) {
-        let [a, b, c] = ring.map(|v| mesh.names[v as usize]);
-        self.sides.extend([[a, b], [b, c], [c, a]].map(|ends| PatchSide::new(ends, 0.0, Beyond::Open)));
-    }
-
     /// Appends a side of a patch: an edge, passed in its direction or against it.
     fn push_side(&mut self, mesh: &Welded, edge: &Straight, against: bool, beside: &Beside, patch: u32) {
         let [a, b] = edge.ends.map(|v| mesh.names[v as usize]);
         let beyond = match *beside {
             Beside::Two([p, q], opposite) => {
-                Beyond::Patch(PatchIndex::new(if p == patch { q } else { p }), opposite)
+                Some((PatchIndex::new(if p == patch { q } else { p }), opposite))
             }
-            Beside::One => Beyond::Open,
-            Beside::More => Beyond::More,
+            Beside::Other => None,
         };
-        if beyond == Beyond::Open && edge.chain != EDGE {
-            self.chains.push((self.sides.len() as u32, edge.chain));
-        }
         let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
         self.sides.push(PatchSide::new(if against { [b, a] } else { [a, b] }, slack, beyond));
     }

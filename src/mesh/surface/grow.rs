@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use crate::mesh::parallel;
-use crate::mesh::surface::lone::direction;
 use crate::mesh::surface::patch::{NONE, Rules};
 use crate::mesh::surface::weld::{Neighbour, Welded};
 
@@ -17,11 +16,8 @@ pub(crate) struct Patches {
     pub(crate) of: Vec<(u32, bool)>,
     /// The cross product of two sides of each triangle as wound.
     pub(crate) crosses: Vec<DVec3>,
-    /// The first triangle of each.
+    /// The first triangle of each, in order of their [ranks](Patches::rank).
     pub(crate) seeds: Vec<u32>,
-    /// How many patches, the first ones, are triangles that share no vertex with others. The rest
-    /// are in order of their [ranks](Patches::rank).
-    pub(crate) lone: u32,
 }
 
 /// The greatest angle in a patch without parts, in degrees.
@@ -57,15 +53,10 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
         (b - a).cross(c - a)
     });
     let mut of = vec![(NONE, false); count];
-    let mut seeds = lone(mesh);
-    for (&seed, patch) in seeds.iter().zip(0..) {
-        of[seed as usize] = (patch, false);
-    }
-    let lone = seeds.len() as u32;
-    let rest = (0..count as u32).filter(|&t| of[t as usize].0 == NONE);
-    let mut order: Vec<(u64, u32)> = rest.map(|t| rank(crosses[t as usize], t)).collect();
+    let mut seeds = Vec::new();
+    let mut order: Vec<(u64, u32)> = (0..count as u32).map(|t| rank(crosses[t as usize], t)).collect();
     parallel::sort(&mut order);
-    let neighbours = if order.is_empty() { Vec::new() } else { mesh.neighbours() };
+    let neighbours = mesh.neighbours();
     let mut queue = Vec::new();
     for (_, seed) in order {
         if of[seed as usize].0 != NONE {
@@ -103,17 +94,12 @@ pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
             }
         }
     }
-    Patches { of, crosses, seeds, lone }
+    Patches { of, crosses, seeds }
 }
 
-/// The triangles that share no vertex with others.
-fn lone(mesh: &Welded) -> Vec<u32> {
-    let mut shared = vec![0u8; mesh.positions.len()];
-    for v in mesh.triangles.iter().flatten() {
-        shared[*v as usize] = shared[*v as usize].saturating_add(1);
-    }
-    let alone = |t: &[u32; 3]| t.iter().all(|&v| shared[v as usize] == 1);
-    (0u32..).zip(&mesh.triangles).filter(|(_, t)| alone(t)).map(|(i, _)| i).collect()
+/// The direction of the cross product of two sides.
+fn direction(cross: DVec3) -> DVec3 {
+    cross.normalize_or(DVec3::Z)
 }
 
 /// Orders triangles, the largest first. Areas are not negative, so their bits are in order.

@@ -1,18 +1,8 @@
 //! Halves of lists of nodes, by their places: what is bundled.
 
 use glam::DVec3;
-use smallvec::SmallVec;
 
 use crate::mesh::surface::grow::Patches;
-
-/// Longer lists are divided at guesses of their middle first.
-const LONG: usize = 128;
-
-/// How many entries, about evenly spaced, give a guess.
-const SAMPLE: usize = 31;
-
-/// Guesses that may be wrong before the rest is left to the standard library.
-const GUESSES: usize = 12;
 
 /// A node to be bundled.
 #[derive(Clone, Copy)]
@@ -77,71 +67,7 @@ fn halve_along<'a, const AXIS: usize>(
     if all.len() <= sorted {
         all.sort_unstable_by(order);
     } else {
-        let (rest, nth) = narrowed::<AXIS>(all, half);
-        rest.select_nth_unstable_by(nth, order);
+        all.select_nth_unstable_by(half, order);
     }
     all.split_at_mut(half).into()
-}
-
-/// Moves entries until those before a short part of the list are less than those in it, and those
-/// behind are greater: the part, and where in it the entry of a rank is.
-fn narrowed<const AXIS: usize>(mut all: &mut [Item], mut nth: usize) -> (&mut [Item], usize) {
-    for _ in 0..GUESSES {
-        if all.len() <= LONG {
-            break;
-        }
-        let step = all.len() / SAMPLE;
-        let mut sample: SmallVec<[i64; SAMPLE]> =
-            (0..SAMPLE).map(|i| all[i * step + step / 2].middle[AXIS]).collect();
-        sample.sort_unstable();
-        // On the side of the rank on which less is left, so that most is done.
-        let rank = nth * SAMPLE / all.len();
-        let guess = if 2 * nth >= all.len() { rank.saturating_sub(2) } else { rank + 2 };
-        let pivot = sample[guess.min(SAMPLE - 1)];
-        let mut low = 0;
-        for at in 0..all.len() {
-            let is_less = all[at].middle[AXIS] < pivot;
-            all.swap(at, low);
-            low += usize::from(is_less);
-        }
-        if low <= nth {
-            all = &mut all[low..];
-            nth -= low;
-        } else {
-            all = &mut all[..low];
-        }
-    }
-    (all, nth)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::random::Random;
-
-    #[test]
-    fn the_part_that_is_left_holds_the_entry_of_the_rank() {
-        let mut random = Random::new(4);
-        for round in 0..200 {
-            let count = 1 + (random.next() * 3000.0) as usize;
-            // Many equal places, few, or none.
-            let steps = [3.0, 100.0, 1e9][round % 3];
-            let place = |_| DVec3::splat((random.next() * steps).floor());
-            let mut all: Vec<Item> = (0..count).map(place).map(|p| Item::new(0, p)).collect();
-            let mut sorted: Vec<i64> = all.iter().map(|item| item.middle[1]).collect();
-            sorted.sort_unstable();
-            for nth in [0, count / 3, count / 2, count - 1] {
-                let (part, within) = narrowed::<1>(&mut all, nth);
-                let mut own: Vec<i64> = part.iter().map(|item| item.middle[1]).collect();
-                own.sort_unstable();
-                assert_eq!(own[within], sorted[nth]);
-                let first = nth - within;
-                assert_eq!(own, sorted[first..first + own.len()], "{count} {nth}");
-                let mut rest: Vec<i64> = all.iter().map(|item| item.middle[1]).collect();
-                assert!(rest[..first].iter().all(|&m| m <= sorted[first]));
-                rest.sort_unstable();
-                assert_eq!(rest, sorted, "none is lost");
-            }
-        }
-    }
 }

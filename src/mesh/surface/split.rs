@@ -3,8 +3,7 @@
 //! Where the corner of one face lies on an edge of another, the two share no edge, and a seam stays
 //! open between them. Split at that corner, they do. Only edges along an axis are split: there,
 //! coordinates in single precision tell exactly what lies on an edge, and walls mostly stand so.
-//! The triangles cover the same points as before. The faces between boxes are gone by then
-//! ([`interior`](super::interior)).
+//! The triangles cover the same points as before.
 
 use glam::Vec3;
 use hashbrown::HashMap;

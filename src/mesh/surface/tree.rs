@@ -21,11 +21,10 @@ use crate::mesh::surface::facets::Facets;
 use crate::mesh::surface::groups::{Groups, SharedBorder};
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::halves::{Item, halve, rank};
-use crate::mesh::surface::lone::sine;
 use crate::mesh::surface::patch::Rules;
 use crate::mesh::surface::weld::Welded;
 use crate::numeric::lesser;
-use crate::numeric::mesh::SLAB;
+use crate::numeric::mesh::{SINE, SLAB};
 
 /// A group grows until it is this many times as large as its first part.
 const GROWTH: f64 = 4.0;
@@ -155,9 +154,9 @@ impl Tree {
         let count = grown.seeds.len();
         let facets = Facets::new(mesh, grown);
         let mut nodes = Vec::with_capacity(count + count / 4);
-        parallel::extend(&mut nodes, count, |patch| match patch as u32 {
-            patch if patch < grown.lone => lone(mesh, grown, patch),
-            patch => PatchNode::of(&facets, grown.normal(patch), &[patch]),
+        parallel::extend(&mut nodes, count, |patch| {
+            let patch = patch as u32;
+            PatchNode::of(&facets, grown.normal(patch), &[patch])
         });
         let mut tree = Self { nodes, root: None, parts: Vec::new(), patches: Vec::new() };
         let mut groups = Groups::new(borders, count, |n| tree.node(n).area);
@@ -304,12 +303,8 @@ impl Tree {
     }
 }
 
-/// A patch that is a lone triangle.
-fn lone(mesh: &Welded, grown: &Patches, patch: u32) -> PatchNode {
-    let seed = grown.seeds[patch as usize];
-    let cross = grown.cross(seed);
-    let corners = mesh.triangles[seed as usize].map(|v| mesh.positions[v as usize]);
-    let mut extent = Spread::new(grown.normal(patch));
-    extent.add(&[(cross, cross.length())], &corners);
-    extent.node()
+/// The sine of an angle of which a cosine is known, rounded up.
+fn sine(cosine: f64) -> f32 {
+    let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
+    (sine.min(1.0) as f32).next_up().min(1.0)
 }

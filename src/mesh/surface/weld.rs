@@ -4,7 +4,6 @@ use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
 use crate::mesh::surface::equal::first_of_equals;
-use crate::mesh::surface::interior::drop_interior;
 use crate::mesh::surface::patch::NONE;
 use crate::mesh::surface::split::split;
 
@@ -43,8 +42,7 @@ impl Neighbour {
 }
 
 /// Triangles whose corners are numbered by position, without those that have two equal corners
-/// and without repetitions or faces between boxes that abut, and split where vertices lie on their
-/// edges.
+/// and without repetitions, and split where vertices lie on their edges.
 pub(crate) struct Welded {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
@@ -75,14 +73,6 @@ impl Welded {
         let positions = at(positions, &names);
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
-        let hollow = drop_interior(&positions, &mut triangles, |a, b, found| {
-            let ends = [a.min(b), a.max(b)];
-            let first = edges.partition_point(|edge| edge.ends < ends);
-            edges[first..].iter().take_while(|edge| edge.ends == ends).for_each(|edge| found(edge.run().0));
-        });
-        if hollow {
-            edges = edges_of(positions.len(), &triangles);
-        }
         let dropped = drop_repeated(&mut triangles, &edges);
         let cut = split(&positions, &mut triangles);
         if dropped || cut {

@@ -4,11 +4,10 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::numeric::occlusion::below;
-use crate::occlusion::bins::BIN;
 use crate::occlusion::coverage::Shades;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::FaceBuffer;
-use crate::occlusion::pixels::{PixelRect, Window};
+use crate::occlusion::pixels::Window;
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, Tile, bits, block};
 
@@ -60,16 +59,14 @@ impl FaceBuffer {
     /// Whether a patch of triangles may hide a point at a nearness in a pixel.
     pub(crate) fn patch_may_hide(&self, (x, y): (i64, i64), near: f32) -> bool {
         let holds = |(lo, hi): (i64, i64), at: i64| lo <= at && at < hi;
-        self.patches.any_around(x, y, |p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
+        !self.patches.all(self.patches.index(x, y), |p| {
+            p.near <= near || !holds(p.pixels.x, x) || !holds(p.pixels.y, y)
+        })
     }
 
     /// Whether patches may reach into the bin of a pixel, that of the lists of occluders.
     pub(crate) fn has_patches(&self, (x, y): (i64, i64)) -> bool {
-        let ((tx, ty), size) = (self.window.first_tile(), BIN * TILE);
-        let first = |at: i64, tile: i64| (at - tile * TILE) / size * size + tile * TILE;
-        let (x0, y0) = (first(x, tx), first(y, ty));
-        let bin = PixelRect { x: (x0, x0 + size), y: (y0, y0 + size) };
-        self.patches.any_around(x, y, |p| p.pixels.overlaps(&bin))
+        self.patches.len(self.patches.index(x, y)) > 0
     }
 
     /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex
@@ -89,28 +86,6 @@ impl FaceBuffer {
                 && self.halves.iter().all(|half| half.at(at.0, at.1) >= 0.0)
                 && self.is_before(pixel, at, near, owner)
         })
-    }
-
-    /// Tells row by row which squares of tiles, those of the lists of occluders, are such that
-    /// nothing was drawn in them. Returns the first tile of the first square, and how many squares
-    /// there are along each axis.
-    pub(crate) fn squares(&self, mut found: impl FnMut(bool)) -> ((i64, i64), (i64, i64)) {
-        let ((nx, ny), (tx, ty)) = (self.window.tile_count(), self.window.first_tile());
-        let count = ((nx - 1) / BIN + 1, (ny - 1) / BIN + 1);
-        for by in 0..count.1 {
-            for bx in 0..count.0 {
-                let (x, y) = (tx + bx * BIN, ty + by * BIN);
-                let bin = self.occluders.index(x * TILE, y * TILE);
-                let tiles = (y..(y + BIN).min(ty + ny))
-                    .flat_map(|ty| (x..(x + BIN).min(tx + nx)).map(move |tx| (tx, ty)));
-                found(
-                    self.occluders.len(bin) == 0
-                        && { tiles }.all(|(x, y)| self.coverage.is_untouched(self.window.tile_index(x, y)))
-                        && !self.has_patches((x * TILE, y * TILE)),
-                );
-            }
-        }
-        ((tx, ty), count)
     }
 
     /// Whether a point, in coordinates of the face, lies in a pixel that does not hide it.

@@ -257,22 +257,6 @@ impl Magnifier {
         }
     }
 
-    /// A pixel that may not be magnified yet: all of it is open.
-    pub(crate) fn pixel(&self, face: usize, (x, y): (i64, i64), rect: &Rect) -> Pixel<'_> {
-        let fine = &self.faces[face].window;
-        Pixel { fine, first: (x * FINER, y * FINER), rect: *rect, open: u64::MAX }
-    }
-
-    /// The convex occluders that may reach into the group of a pixel, the nearest first.
-    pub(crate) fn solids(
-        &self,
-        (face, buffer): (usize, &FaceBuffer),
-        at: (i64, i64),
-        hand: &mut Hand,
-    ) -> &[Listed] {
-        &self.group(face, buffer, at, hand).1.solids
-    }
-
     /// The group of a pixel, and its place.
     fn group(&self, face: usize, buffer: &FaceBuffer, at: (i64, i64), hand: &mut Hand) -> (u32, &Group) {
         let fine = &self.faces[face];
@@ -373,7 +357,7 @@ impl Hand {
         let at = (at.0 / GROUP * GROUP, at.1 / GROUP * GROUP);
         let (coverage, step) = (&mut tiles.coverage, buffer.window().step());
         let sheet = Sheet { coverage, base: 0, first: at, count: (GROUP, GROUP), step };
-        let mut spot = Spot { projector, at, pixels, sheet };
+        let mut spot = Spot { projector, at, sheet };
         self.local.draw(&mut spot, stores, &self.found, &mut tiles.used);
     }
 }

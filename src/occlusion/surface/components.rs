@@ -42,18 +42,14 @@ pub(super) fn draw_surfaces<S: Simd>(
     let projector = Projector::new(buffer, viewpoint);
     see(simd, &projector, viewpoint.room.radius(), batch, sights, &mut kept, scratch);
     join(batch, viewpoint.room.radius(), &mut kept, (ids, scratch));
-    scratch.joined.sort(|i| !scratch.seen[i].pixels.is_empty());
+    scratch.joined.sort();
     let order = std::mem::take(&mut scratch.joined.order);
     // Components may cover all tiles of the window.
     let window = buffer.window();
     let (first, count, step) = (window.first_tile(), window.tile_count(), window.step() * TILE as f64);
     for component in order.chunk_by(|a, b| a.1 == b.1) {
-        let mut patches = component.iter().map(|place| &scratch.seen[place.2 as usize]);
-        if !patches.all(|s| buffer.hides_pixels(&s.pixels, s.near)) {
-            let coverage = buffer.coverage_mut();
-            let mut sheet = Sheet { coverage, base: 0, first, count, step };
-            draw_component(simd, &mut sheet, component, &projector, &kept, scratch);
-        }
+        let mut sheet = Sheet { coverage: buffer.coverage_mut(), base: 0, first, count, step };
+        draw_component(simd, &mut sheet, component, &projector, &kept, scratch);
     }
     scratch.joined.order = order;
     scratch.kept = kept;
@@ -64,7 +60,7 @@ pub(super) fn draw_surfaces<S: Simd>(
 pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &FaceScratch) {
     let drawn = scratch.seen.iter().map(|s| (s.drawable, s.near, s.pixels));
     let all = drawn.chain(scratch.narrow.iter().copied());
-    for (drawable, near, pixels) in all.filter(|s| !batch[s.0 as usize].again) {
+    for (drawable, near, pixels) in all {
         let patch = ListedPatch { id: batch[drawable as usize].id, near, pixels };
         buffer.patches_mut().push(&pixels, patch);
     }
@@ -100,18 +96,15 @@ fn see<S: Simd>(
             continue;
         }
         scratch.joined.push(batch[drawable as usize].id, near);
-        scratch.seen.push(SeenPatch { drawable, kept: place, pixels, near, around: PixelRect::EMPTY });
+        scratch.seen.push(SeenPatch { drawable, kept: place, pixels, near });
     }
 }
 
 /// Joins patches that share sides, and marks those sides as seams.
 ///
-/// If the eye may go some way, only patches that are wholly turned to it are joined, and those that
-/// were drawn before take part as all others: the rims of a component must be known wherever it
-/// covers pixels.
+/// If the eye may go some way, only patches that are wholly turned to it are joined.
 #[inline(always)]
 fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): (&Ids, &mut FaceScratch)) {
-    let in_part = reach == 0.0;
     for i in 0..scratch.seen.len() as u32 {
         let seen = &scratch.seen[i as usize];
         let d = &batch[seen.drawable as usize];
@@ -131,33 +124,14 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): 
                 if (group.opposite >> lane & 1 == 1) != (d.turned == other.turned) {
                     continue;
                 }
-                let joins = if in_part {
-                    // Patches that were drawn before are drawn again in part only: the sum of two
-                    // of them is not known.
-                    !(d.again && other.again)
-                } else {
-                    d.faces_eye && other.faces_eye
-                };
-                if !joins {
+                if reach > 0.0 && !(d.faces_eye && other.faces_eye) {
                     continue;
                 }
                 scratch.joined.unite(i, place);
                 seams |= 1 << lane;
-                if in_part && !d.again && other.again {
-                    let pixels = scratch.seen[i as usize].pixels;
-                    let around = &mut scratch.seen[place as usize].around;
-                    *around = around.join(&pixels);
-                }
             }
             group.seams = seams;
         }
-    }
-    if !in_part {
-        return;
-    }
-    // A patch that was drawn before is new only around its seams with patches that were not.
-    for s in scratch.seen.iter_mut().filter(|s| batch[s.drawable as usize].again) {
-        s.pixels = s.pixels.intersect(&s.around);
     }
 }
 

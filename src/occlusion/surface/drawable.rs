@@ -17,18 +17,11 @@ pub(crate) struct Drawable<'a> {
     pub(crate) id: u32,
     /// Its number among all patches of the scene. Those of one surface follow each other.
     pub(crate) number: PatchNumber,
-    /// Patches of other surfaces at the open sides of this one: (side, number of the patch, whether
-    /// the two run along it in opposite directions), in order of sides.
-    pub(crate) links: &'a [(u32, PatchNumber, bool)],
     /// A box around it.
     pub(crate) block: Block,
     /// All of it lies where `lo <= normal . x <= hi`.
     pub(crate) normal: DVec3,
     pub(crate) slab: (f64, f64),
-    /// Whether it was drawn before, and only its seams with patches that were not are new.
-    pub(crate) again: bool,
-    /// Whether no neighbour of it is drawn in another batch.
-    pub(crate) alone: bool,
     /// Whether its lower side counts as turned to the eye, so that its winding numbers change sign.
     pub(crate) turned: bool,
     /// Whether every triangle of it is known to be turned to the eye with the same side. Without
@@ -39,26 +32,15 @@ pub(crate) struct Drawable<'a> {
 }
 
 impl<'a> Drawable<'a> {
-    /// The patch beyond a side of its outline, which is given with its number: the number of the
-    /// patch, and whether the two run along the side in opposite directions.
+    /// The patch beyond a side of its outline: the number of the patch, and whether the two run
+    /// along the side in opposite directions.
     #[inline]
-    pub(crate) fn beyond(&self, number: u32, side: &PatchSide) -> Option<(PatchNumber, bool)> {
-        beyond(self.number.base(self.patch), self.links, number, side)
+    pub(crate) fn beyond(&self, side: &PatchSide) -> Option<(PatchNumber, bool)> {
+        let twin = side.twin();
+        (twin != PatchIndex::NONE).then(|| (self.number.base(self.patch).of(twin), side.opposite()))
     }
 
-    /// The numbers of the patches beyond its sides.
-    pub(crate) fn twins(&self) -> impl Iterator<Item = PatchNumber> + use<'a> {
-        let (base, links) = (self.number.base(self.patch), self.links);
-        self.outline().filter_map(move |(number, side)| Some(beyond(base, links, number, &side)?.0))
-    }
-
-    /// Whether it is a triangle with nothing beyond its sides.
-    #[inline]
-    pub(crate) fn is_apart(&self) -> bool {
-        self.links.is_empty() && self.surface.is_lone(self.patch)
-    }
-
-    /// The sides of its outline, with their numbers.
+    /// The sides of its outline.
     #[inline]
     pub(crate) fn outline(&self) -> PatchOutline<'a> {
         self.surface.outline(self.patch)
@@ -69,23 +51,4 @@ impl<'a> Drawable<'a> {
         let next = self.surface.next(self.patch);
         self.number..self.number.base(self.patch).of(next)
     }
-}
-
-/// As [`Drawable::beyond`], for a surface whose first patch has the number `base`.
-#[inline]
-fn beyond(
-    base: PatchNumber,
-    links: &[(u32, PatchNumber, bool)],
-    number: u32,
-    side: &PatchSide,
-) -> Option<(PatchNumber, bool)> {
-    let twin = side.twin();
-    if twin != PatchIndex::NONE {
-        return Some((base.of(twin), side.opposite()));
-    }
-    if links.is_empty() {
-        return None;
-    }
-    let link = links.get(links.partition_point(|l| l.0 < number))?;
-    (link.0 == number).then_some((link.1, link.2))
 }

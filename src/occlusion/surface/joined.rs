@@ -75,14 +75,14 @@ impl Joined {
         }
     }
 
-    /// Puts in order the patches that are to be drawn, by their indices.
-    pub(super) fn sort(&mut self, is_drawn: impl Fn(usize) -> bool) {
+    /// Puts the patches in order, by their indices.
+    pub(super) fn sort(&mut self) {
         for i in 0..self.parents.len() {
             let root = self.root(i as u32);
             self.parents[i] = root;
             self.nears[root as usize] = self.nears[root as usize].max(self.nears[i]);
         }
-        let all = self.parents.iter().enumerate().filter(|&(i, _)| is_drawn(i));
+        let all = self.parents.iter().enumerate();
         self.order.clear();
         self.order.extend(all.map(|(i, &root)| (farness(self.nears[root as usize]), root, i as u32)));
         self.order.sort_unstable();

@@ -23,8 +23,6 @@ pub(crate) struct Spot<'a> {
     pub(crate) projector: Projector,
     /// Its first pixel.
     pub(crate) at: (i64, i64),
-    /// Its pixels that lie in the window.
-    pub(crate) pixels: PixelRect,
     /// The tiles of finer pixels, one for each pixel.
     pub(crate) sheet: Sheet<'a>,
 }
@@ -83,8 +81,6 @@ struct Member {
     is_late: bool,
     place: u32,
     near: f32,
-    /// The pixels of the group that it may touch.
-    pixels: PixelRect,
     /// The first of its groups of sides in the list of choices.
     first: u32,
     /// The edges left of the group.
@@ -125,13 +121,10 @@ impl Local {
     ) {
         self.choose(simd, spot, stores, listed);
         self.join(spot, stores);
-        self.joined.sort(|_| true);
+        self.joined.sort();
         let order = std::mem::take(&mut self.joined.order);
         for component in order.chunk_by(|a, b| a.1 == b.1) {
-            let mut members = component.iter().map(|place| &self.members[place.2 as usize]);
-            if !members.all(|m| spot.hides(&m.pixels, m.near)) {
-                self.draw_component(simd, spot, stores, component, useful);
-            }
+            self.draw_component(simd, spot, stores, component, useful);
         }
         self.joined.order = order;
     }
@@ -146,7 +139,7 @@ impl Local {
         let rows = (spot.first_row(), GROUP_PIXELS);
         // The rims of a component are all of its sides that are not seams.
         let is_still = spot.projector.rims().is_none();
-        for &Listing { id, near, pixels } in listed {
+        for &Listing { id, near, .. } in listed {
             let Some((is_late, place)) = stores.find(id) else { continue };
             let store = stores.store(is_late);
             let patch = store.patch(place);
@@ -167,9 +160,8 @@ impl Local {
                 self.choices.truncate(first as usize);
                 continue;
             }
-            let pixels = pixels.intersect(&spot.pixels);
             self.joined.push(id, near);
-            self.members.push(Member { id, is_late, place, near, pixels, first, passed });
+            self.members.push(Member { id, is_late, place, near, first, passed });
         }
     }
 
@@ -276,16 +268,5 @@ impl Spot<'_> {
     /// Its finer pixels.
     fn area(&self) -> Area {
         Area { x: self.at.0 * FINER, y: self.at.1 * FINER, nx: 1, ny: GROUP }
-    }
-
-    /// Whether some of its pixels are covered as wholes, nearer than a nearness.
-    fn hides(&self, pixels: &PixelRect, near: f32) -> bool {
-        let (x, y) = self.at;
-        let columns = ((pixels.x.0 - x) as usize, (pixels.x.1 - x) as usize);
-        columns.0 >= columns.1
-            || (pixels.y.0..pixels.y.1).all(|row| {
-                let first = self.sheet.base + ((row - y) * GROUP) as usize;
-                self.sheet.coverage.all_closed(first + columns.0, first + columns.1 - 1, near)
-            })
     }
 }

@@ -41,7 +41,6 @@ mod sides;
 
 use smallvec::SmallVec;
 
-use crate::mesh::surface::PatchNumber;
 use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face_buffer::FaceBuffer;
@@ -98,7 +97,7 @@ impl OcclusionBuffers {
     pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool, shared: bool) -> u64 {
         let viewpoint = self.viewpoint();
         let (buffers, SurfaceScratch { ids, faces, useful }) = self.surfaces_mut();
-        for d in batch.drawables.iter().filter(|d| !d.again) {
+        for d in &batch.drawables {
             ids.set(d.numbers(), d.id, patches);
         }
         let mut buffers: SmallVec<[&mut FaceBuffer; 6]> = buffers.collect();
@@ -126,11 +125,6 @@ impl OcclusionBuffers {
     /// Forgets the patches of the last query: the numbers of first drawing begin anew.
     pub(crate) fn begin_patches(&mut self) {
         self.surfaces_mut().1.begin_query();
-    }
-
-    /// The number of a patch in the order of first drawing, by its number in the scene.
-    pub(crate) fn id_of_patch(&self, number: PatchNumber) -> Option<u32> {
-        self.surfaces().ids.get(number)
     }
 
     /// The indices of the patches of the last batch that hid more than before. Some may be named

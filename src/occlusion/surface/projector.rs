@@ -5,7 +5,7 @@ use fearless_simd::{f32x8, u32x8};
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::geometry::Room;
-use crate::mesh::surface::PatchIndex;
+use crate::mesh::surface::{Patch, PatchIndex};
 use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
@@ -139,7 +139,7 @@ impl Projector {
         let Face { right, up, forward, parallel } = self.face;
         let axes = DMat3::from_cols(right, up, if parallel { DVec3::ZERO } else { forward }).transpose();
         let depth = if parallel { DVec3::Z } else { DVec3::ZERO };
-        let (min, max) = d.surface.extent(PatchIndex::FIRST);
+        let &Patch { min, max, .. } = d.surface.patch(PatchIndex::FIRST);
         let unit = if parallel { right.length() } else { 1.0 };
         let frame = |eye: (Vec3, Vec3), turn: DMat3, at: DVec3, growth: f64, error: f64| {
             let rows = turn.transpose();
@@ -293,14 +293,14 @@ impl Projector {
 fn gather(d: &Drawable, out: &mut SeenSides) {
     out.placed.clear();
     let (mut at, mut end, positions) = (0, None, &d.surface.positions);
-    for (number, side) in d.outline() {
+    for side in d.outline() {
         let [from, to] = side.ends;
         if let Some(end) = end.filter(|&end| end != from) {
             out.push(at, positions[end as usize]);
             at += 1;
         }
         out.push(at, positions[from as usize]);
-        out.begin(at, side.slack, d.beyond(number, &side));
+        out.begin(at, side.slack, d.beyond(&side));
         (at, end) = (at + 1, Some(to));
     }
     // The rest repeats the last one.
@@ -403,12 +403,9 @@ mod tests {
                     patch,
                     id: 0,
                     number: crate::mesh::surface::PatchNumber::new(patch.get()),
-                    links: &[],
                     block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
                     normal: DVec3::X,
                     slab: (0.0, 0.0),
-                    again: false,
-                    alone: false,
                     turned: false,
                     faces_eye: true,
                     error: 0.0,
@@ -423,9 +420,7 @@ mod tests {
                 deep += out.deep.len();
                 let begin = |s: &Sides| (0..LANES).filter(|i| s.begins >> i & 1 == 1).collect::<Vec<_>>();
                 let points = out.groups.iter().flat_map(|s| begin(s).into_iter().map(move |i| (s, i)));
-                for ((Sides { x, y, wide, unsure, plain, .. }, i), (_, side)) in
-                    points.zip(drawable.outline())
-                {
+                for ((Sides { x, y, wide, unsure, plain, .. }, i), side) in points.zip(drawable.outline()) {
                     if plain >> i & 1 == 0 {
                         continue;
                     }

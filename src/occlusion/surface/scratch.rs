@@ -21,8 +21,6 @@ pub(super) struct SeenPatch {
     pub(super) pixels: PixelRect,
     /// No point of it is nearer.
     pub(super) near: f32,
-    /// A rectangle around its neighbours that are drawn for the first time.
-    pub(super) around: PixelRect,
 }
 
 /// The memory for drawing surfaces.

@@ -2,25 +2,20 @@
 
 use casca_slots::Slot;
 use glam::{DVec3, IVec3};
-use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::grid::cell_box::CellBox;
-use crate::grid::mask::{BRICK, Mask, NONE, cells_of, either};
-use crate::matrix::fused::Fused;
+use crate::grid::mask::{BRICK, Mask, cells_of, either};
 use crate::query::point::drawing::Drawing;
 use crate::query::point::finder::ObjectFinder;
 use crate::query::point::run::{Run, pitch};
-use crate::scene::{LayerOpacity, Scene};
+use crate::scene::Scene;
 use crate::view::Origin;
 use crate::walk::{CellFrustum, Shells, Start};
 
 /// A brick with fewer objects yet undecided is not tested itself.
 const WORTH_TESTING: usize = 3;
-
-/// More bricks of a page than this, in one shell or together, are first tested as one box.
-const WORTH_TESTING_TOGETHER: usize = 4;
 
 /// Bricks of views without shells are taken in portions of this many, front to back.
 const PORTION: usize = 64;
@@ -31,7 +26,6 @@ const SHELLS_OF_PAGE: usize = BRICK as usize;
 /// What a brick contains that a walk looks for, as bits.
 const OBJECTS: u8 = 1;
 const VOLUMES: u8 = 2;
-const FUSED: u8 = 4;
 
 /// A brick that contains something.
 #[derive(Debug, Clone, Copy)]
@@ -55,62 +49,48 @@ pub(super) struct BrickLists {
     slots: Vec<Slot>,
 }
 
-/// What the bricks of a scene contain that a walk looks for.
-struct BrickContents<'a> {
-    scene: &'a Scene,
-    /// The boxes of opaque cells of the occluders that the view shows.
-    fused: SmallVec<[&'a Fused; 2]>,
+/// Lists the pages that contain something and may be in the frustum, from near to far.
+fn list_pages(scene: &Scene, frustum: &CellFrustum, middle: IVec3, out: &mut Vec<(i32, IVec3)>) {
+    out.clear();
+    let mut add = |page: IVec3| {
+        let lo = page * BRICK - middle;
+        let hi = lo + (BRICK - 1);
+        if frustum.meets(lo, hi) {
+            out.push((lo.max(-hi).max_element().max(0), page));
+        }
+    };
+    scene.id_matrix().pages().iter().for_each(&mut add);
+    scene.tbv_matrix().pages().iter().for_each(&mut add);
+    out.sort_unstable_by_key(|(nearest, page)| (*nearest, page.to_array()));
+    out.dedup();
 }
 
-impl BrickContents<'_> {
-    /// Lists the pages that contain something and may be in the frustum, from near to far.
-    fn list_pages(&self, frustum: &CellFrustum, middle: IVec3, out: &mut Vec<(i32, IVec3)>) {
-        out.clear();
-        let mut add = |page: IVec3| {
-            let lo = page * BRICK - middle;
-            let hi = lo + (BRICK - 1);
-            if frustum.meets(lo, hi) {
-                out.push((lo.max(-hi).max_element().max(0), page));
-            }
-        };
-        self.scene.id_matrix().pages().iter().for_each(&mut add);
-        self.scene.tbv_matrix().pages().iter().for_each(&mut add);
-        self.fused.iter().flat_map(|fused| fused.pages().iter()).for_each(&mut add);
-        out.sort_unstable_by_key(|(nearest, page)| (*nearest, page.to_array()));
-        out.dedup();
-    }
-
-    /// Calls `found` with the bricks of a page that contain something.
-    fn for_bricks(&self, page: IVec3, mut found: impl FnMut(Found)) {
-        let (objects, volumes) =
-            (self.scene.id_matrix().pages().bricks(page), self.scene.tbv_matrix().pages().bricks(page));
-        let fused = self.fused.iter().fold(NONE, |all, fused| either(&all, fused.pages().bricks(page)));
-        let all = either(&either(objects, volumes), &fused);
-        for brick in cells_of(page, &all) {
-            let (slice, bit) = ((brick.z & 7) as usize, (brick.y & 7) << 3 | brick.x & 7);
-            let has = |mask: &Mask, what: u8| if mask[slice] >> bit & 1 != 0 { what } else { 0 };
-            let contains = has(objects, OBJECTS) | has(volumes, VOLUMES) | has(&fused, FUSED);
-            found(Found { brick, contains });
-        }
+/// Calls `found` with the bricks of a page that contain something.
+fn for_bricks(scene: &Scene, page: IVec3, mut found: impl FnMut(Found)) {
+    let (objects, volumes) =
+        (scene.id_matrix().pages().bricks(page), scene.tbv_matrix().pages().bricks(page));
+    for brick in cells_of(page, &either(objects, volumes)) {
+        let (slice, bit) = ((brick.z & 7) as usize, (brick.y & 7) << 3 | brick.x & 7);
+        let has = |mask: &Mask, what: u8| if mask[slice] >> bit & 1 != 0 { what } else { 0 };
+        let contains = has(objects, OBJECTS) | has(volumes, VOLUMES);
+        found(Found { brick, contains });
     }
 }
 
 /// Finds the objects of the whole scene that the buffers do not hide, but for small moving ones.
 pub(super) fn find_all(finder: &mut ObjectFinder, lists: &mut BrickLists) {
     let Run { scene, view, options, fixed_only, .. } = finder.drawing.run;
-    let fused = scene.opacity(view.layers()).map(LayerOpacity::fused).collect();
-    let contents = BrickContents { scene, fused };
     scene.always().iter().copied().chain(scene.overdue()).for_each(|slot| finder.find(slot));
     finder.settle();
     if let (Some(eye), false) = (view.eye(), fixed_only) {
         reveal_around(finder, eye);
     }
     match (view.origin, finder.drawing.around.clone()) {
-        (Origin::Eye { at, .. }, Some(shells)) => walk_shells(finder, &contents, lists, &shells, at),
+        (Origin::Eye { at, .. }, Some(shells)) => walk_shells(finder, lists, &shells, at),
         (Origin::Eye { at, .. }, None) => {
-            walk_along(finder, &contents, lists, pitch(scene, options).middle - at);
+            walk_along(finder, lists, pitch(scene, options).middle - at);
         }
-        (Origin::Direction(d), _) => walk_along(finder, &contents, lists, d),
+        (Origin::Direction(d), _) => walk_along(finder, lists, d),
     }
 }
 
@@ -123,31 +103,22 @@ fn reveal_around(finder: &mut ObjectFinder, eye: DVec3) {
 }
 
 /// Walks the shells around the eye outwards, until every pixel is closed.
-fn walk_shells(
-    finder: &mut ObjectFinder,
-    contents: &BrickContents,
-    lists: &mut BrickLists,
-    around: &Shells,
-    eye: DVec3,
-) {
+fn walk_shells(finder: &mut ObjectFinder, lists: &mut BrickLists, around: &Shells, eye: DVec3) {
+    let scene = finder.drawing.run.scene;
     let BrickLists { pages, shells, bricks, volumes, slots } = lists;
-    contents.list_pages(&around.frustum, around.cell, pages);
+    list_pages(scene, &around.frustum, around.cell, pages);
     shells.iter_mut().for_each(Vec::clear);
     let mut pages = pages.iter().peekable();
     let mut next = pages.peek().map(|(nearest, _)| *nearest);
     while let Some(m) = next {
         finder.drawing.stats.shells += 1;
         while let Some(&(_, page)) = pages.next_if(|(nearest, _)| *nearest == m) {
-            list_page(&finder.drawing, contents, around, page, shells);
+            list_page(&finder.drawing, around, page, shells);
         }
         bricks.clear();
         bricks.append(&mut shells[m as usize % SHELLS_OF_PAGE]);
-        for of_page in bricks.chunk_by(|a, b| a.brick >> 3i32 == b.brick >> 3i32) {
-            if of_page.len() <= WORTH_TESTING_TOGETHER || !hides_all(&finder.drawing, of_page) {
-                of_page.iter().for_each(|found| visit(finder, contents, *found, slots, volumes));
-            }
-        }
-        finish_bricks(finder, volumes, m);
+        bricks.iter().for_each(|found| visit(finder, *found, slots, volumes));
+        finish_bricks(finder, volumes);
         let in_shells =
             (m + 1..m + SHELLS_OF_PAGE as i32).find(|k| !shells[*k as usize % SHELLS_OF_PAGE].is_empty());
         next = in_shells.into_iter().chain(pages.peek().map(|(nearest, _)| *nearest)).min();
@@ -156,24 +127,15 @@ fn walk_shells(
             break;
         }
     }
-    if finder.drawing.buffers().reach() > 0.0 {
-        finder.drawing.draw_all_patches(i32::MAX);
-    }
 }
 
 /// Lists the bricks of a page in the frustum by their shells, unless the page is hidden.
-fn list_page(
-    drawing: &Drawing,
-    contents: &BrickContents,
-    around: &Shells,
-    page: IVec3,
-    shells: &mut [Vec<Found>; SHELLS_OF_PAGE],
-) {
+fn list_page(drawing: &Drawing, around: &Shells, page: IVec3, shells: &mut [Vec<Found>; SHELLS_OF_PAGE]) {
     let (lo, hi) = drawing.bricks.range_bounds(page * BRICK, page * BRICK + (BRICK - 1));
     if drawing.hides(&Block { min: lo, max: hi }) {
         return;
     }
-    contents.for_bricks(page, |found| {
+    for_bricks(drawing.run.scene, page, |found| {
         let at = found.brick - around.cell;
         if around.frustum.meets(at, at) {
             shells[at.abs().max_element() as usize % SHELLS_OF_PAGE].push(found);
@@ -181,24 +143,16 @@ fn list_page(
     });
 }
 
-/// Whether the box around some bricks is hidden.
-fn hides_all(drawing: &Drawing, bricks: &[Found]) -> bool {
-    let boxes = bricks.iter().map(|found| CellBox { lo: found.brick, hi: found.brick });
-    boxes
-        .reduce(CellBox::join)
-        .is_some_and(|CellBox { lo, hi }| drawing.hides(&Block::new(drawing.bricks.range_bounds(lo, hi))))
-}
-
 /// Walks all bricks in the frustum, sorted along a direction.
-fn walk_along(finder: &mut ObjectFinder, contents: &BrickContents, lists: &mut BrickLists, direction: DVec3) {
+fn walk_along(finder: &mut ObjectFinder, lists: &mut BrickLists, direction: DVec3) {
     let Run { scene, view, .. } = finder.drawing.run;
     let BrickLists { pages, bricks, volumes, slots, .. } = lists;
     let middle = scene.extent_in_bricks().middle();
     let frustum = CellFrustum::new(&finder.drawing.bricks, view, middle, Start::None);
-    contents.list_pages(&frustum, middle, pages);
+    list_pages(scene, &frustum, middle, pages);
     bricks.clear();
     for (_, page) in &*pages {
-        contents.for_bricks(*page, |found| {
+        for_bricks(scene, *page, |found| {
             let at = found.brick - middle;
             bricks.extend(frustum.meets(at, at).then_some(found));
         });
@@ -209,13 +163,13 @@ fn walk_along(finder: &mut ObjectFinder, contents: &BrickContents, lists: &mut B
     });
     for portion in bricks.chunks(PORTION) {
         finder.drawing.stats.shells += 1;
-        portion.iter().for_each(|found| visit(finder, contents, *found, slots, volumes));
-        finish_bricks(finder, volumes, 0);
+        portion.iter().for_each(|found| visit(finder, *found, slots, volumes));
+        finish_bricks(finder, volumes);
     }
     // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
     Slot::below(scene.slot_count()).filter(|&s| scene.is_hidden(s)).for_each(|slot| finder.test_volume(slot));
     finder.settle();
-    finder.drawing.draw_all_patches(i32::MAX);
+    finder.drawing.draw_patches();
 }
 
 /// The least distance along an axis from the eye to bricks beyond shell `m`.
@@ -234,11 +188,9 @@ fn distance_beyond(bricks: &Grid, around: &Shells, m: i32, eye: DVec3) -> f64 {
     least
 }
 
-/// Finds the undecided objects of a brick, lists it if it contains volumes, and draws its boxes of
-/// opaque cells, unless it is hidden.
+/// Finds the undecided objects of a brick, and lists it if it contains volumes, unless it is hidden.
 fn visit(
     finder: &mut ObjectFinder,
-    contents: &BrickContents,
     Found { brick, contains }: Found,
     slots: &mut Vec<Slot>,
     volumes: &mut Vec<IVec3>,
@@ -250,8 +202,7 @@ fn visit(
         slots.extend(scene.id_matrix().in_brick(brick).filter(|&slot| !finder.marks.is_decided(slot)));
     }
     let has_volumes = !fixed_only && contains & VOLUMES != 0;
-    let has_fused = contains & FUSED != 0;
-    if (slots.len() >= WORTH_TESTING || has_fused || has_volumes)
+    if (slots.len() >= WORTH_TESTING || has_volumes)
         && finder.drawing.hides(&Block::new(finder.drawing.bricks.cell_bounds(brick)))
     {
         finder.drawing.stats.bricks_hidden += 1;
@@ -266,18 +217,13 @@ fn visit(
     if has_volumes {
         volumes.push(brick);
     }
-    if has_fused && finder.drawing.may_fuse() {
-        let boxes = contents.fused.iter().flat_map(|fused| fused.in_brick(brick));
-        boxes.for_each(|cells| finder.drawing.draw_cells(cells));
-    }
 }
 
-/// Tests and draws the objects found in the bricks up to shell `m`, and those of the volumes in
-/// them, which are tested after all objects as near are drawn.
-fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>, m: i32) {
+/// Tests and draws the objects found in bricks, and those of the volumes in them, which are tested after all objects as near are drawn.
+fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>) {
     let scene = finder.drawing.run.scene;
     finder.settle();
-    finder.drawing.draw_patches(m);
+    finder.drawing.draw_patches();
     for brick in volumes.drain(..) {
         let Some(CellBox { lo, hi }) = scene.tbv_matrix().extent(brick) else { continue };
         if scene.tbv_matrix().ids(brick).all(|slot| finder.marks.is_revealed(slot))
@@ -288,5 +234,5 @@ fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>, m: i32) {
         scene.tbv_matrix().ids(brick).for_each(|slot| finder.test_volume(slot));
     }
     finder.settle();
-    finder.drawing.draw_patches(m);
+    finder.drawing.draw_patches();
 }

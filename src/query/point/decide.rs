@@ -200,10 +200,6 @@ pub(super) fn examine(
     }
     // Parts of meshes cannot be grown by the uncertainty of the eye; their box can.
     let in_parts = buffers.uncertainty() == 0.0;
-    // Then any examination finds it.
-    if in_parts && bounds.kind().any_part(origin, &mut |part| buffers.shows_plainly(part.middle(), slot)) {
-        return false;
-    }
     let patches = Redrawable { drawable: |id: u32| drawing.drawn_patch(id) };
     let mut target = std::mem::take(&mut hand.target);
     let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget: left };

@@ -4,7 +4,6 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
-use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::query::marks::Marks;
 use crate::query::point::decide::Candidate;
@@ -29,8 +28,6 @@ pub(super) struct FoundObjects {
     order: Vec<u128>,
     /// Objects found visible so far.
     pub(super) candidates: Vec<Candidate>,
-    /// Small moving objects that need no further test.
-    pub(super) movers: Vec<ObjectId>,
 }
 
 /// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
@@ -52,7 +49,6 @@ impl<'a> ObjectFinder<'a> {
     ) -> Self {
         marks.begin(drawing.run.scene.slot_count());
         found.candidates.clear();
-        found.movers.clear();
         Self { drawing, pvs, marks, found }
     }
 

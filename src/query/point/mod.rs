@@ -117,7 +117,7 @@ impl PointScratch {
         }
         changes.fresh.iter().for_each(|&slot| finder.find(slot));
         finder.settle();
-        finder.drawing.draw_all_patches(i32::MAX);
+        finder.drawing.draw_patches();
         if !holes.is_empty() {
             find_all(&mut finder, bricks);
         }
@@ -126,15 +126,12 @@ impl PointScratch {
     }
 }
 
-/// Tests the objects that were found again. The set gets the visible ones, and the small moving
-/// objects, which need no further test.
+/// Tests the objects that were found again. The set gets the visible ones.
 fn decide(finder: ObjectFinder, second: &mut SecondTest) {
     let ObjectFinder { mut drawing, pvs, found, .. } = finder;
     let Run { scene, coherent, .. } = drawing.run;
     second.decide(&mut drawing, &found.candidates);
     second.seen(&found.candidates).for_each(|candidate| pvs.push(scene.id(candidate.slot)));
-    drawing.stats.occlusion_tests += found.movers.len() as u32;
-    found.movers.iter().for_each(|&id| pvs.push(id));
     if coherent {
         drawing.remember(&pvs.visible, &second.used);
     }

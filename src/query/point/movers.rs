@@ -1,9 +1,9 @@
 //! Small moving objects, of which there may be very many in sight.
 //!
 //! They hide nothing, so that nothing is gained by testing them before all occluders are drawn.
-//! Their zones are tested then: most are out of sight, hidden, or in the open, with all that is in
-//! them. In the others, most objects are found visible by one pixel: that of the middle of their
-//! box, which lies in them. None of that looks at the object itself, only at its box in the scene's
+//! Their zones are tested then: most are out of sight or hidden, with all that is in them. In the
+//! others, most objects are found visible by one pixel: that of the middle of their box, which lies
+//! in them. None of that looks at the object itself, only at its box in the scene's
 //! array ([`crate::scene::Scene::boxes`]).
 
 use casca_slots::Slot;
@@ -12,7 +12,6 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
-use crate::id::ObjectId;
 use crate::numeric::query::SINGLE_FRUSTUM;
 use crate::query::point::decide::Candidate;
 use crate::query::point::finder::ObjectFinder;
@@ -23,15 +22,13 @@ use crate::view::View;
 /// A zone with fewer objects is not tested itself.
 const WORTH_TESTING: usize = 3;
 
-/// Finds the small moving objects that are in sight of all that was drawn. Those that need no
-/// further test are listed apart. `order` is memory that is used again.
+/// Lists the small moving objects that may be in sight. `order` is memory that is used again.
 pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>) {
     let Run { scene, view, fixed_only, coherent, .. } = finder.drawing.run;
     let zones = scene.movers().zones();
     if fixed_only || view.layers() == 0 || zones.is_empty() {
         return;
     }
-    finder.drawing.buffers_mut().read_clear();
     let planes = Planes::new(view, scene.extent());
     order.clear();
     for (index, zone) in zones.iter().enumerate() {
@@ -53,14 +50,6 @@ pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>
         // A coherent run asks more of its objects.
         if coherent || view.eye().is_some_and(|eye| around.contains_point(eye)) {
             zone.plain().iter().for_each(|id| finder.find(id.slot()));
-        } else if is_worth && side == BoxSide::Inside && finder.drawing.buffers().is_clear_block(room) {
-            finder.drawing.stats.objects_tested += zone.plain().len() as u32;
-            let ids = zone.plain().iter().map(|&id| ObjectId(id));
-            if scene.any_overdue() {
-                finder.found.movers.extend(ids.filter(|id| !finder.marks.is_decided(id.slot())));
-            } else {
-                finder.found.movers.extend(ids);
-            }
         } else {
             test_boxes(finder, zone, side, &planes);
         }
@@ -68,12 +57,10 @@ pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>
     finder.settle();
 }
 
-/// Tests the boxes of the objects of a zone. Those before all occluders are found visible, those
-/// that may lie behind one are tested with the others.
+/// Lists the objects of a zone whose boxes may be in sight of the view.
 fn test_boxes(finder: &mut ObjectFinder, zone: &Zone, zone_side: BoxSide, planes: &Planes) {
     let Run { scene, view, .. } = finder.drawing.run;
-    let (buffers, mut tested) = (finder.drawing.buffers(), 0);
-    let origin = buffers.origin().as_vec3a();
+    let mut tested = 0;
     // Those that are overdue were found as such.
     let any_overdue = scene.any_overdue();
     for &id in zone.plain() {
@@ -89,13 +76,9 @@ fn test_boxes(finder: &mut ObjectFinder, zone: &Zone, zone_side: BoxSide, planes
             continue;
         }
         tested += 1;
-        if buffers.is_clear(middle - origin) {
-            finder.found.movers.push(ObjectId(id));
-        } else {
-            let (slot, block) = (id.slot(), Some(own.block()));
-            let candidate = Candidate { slot, block, is_centered: true, occludes: false };
-            finder.found.candidates.push(candidate);
-        }
+        let (slot, block) = (id.slot(), Some(own.block()));
+        let candidate = Candidate { slot, block, is_centered: true, occludes: false };
+        finder.found.candidates.push(candidate);
     }
     finder.drawing.stats.objects_tested += tested;
 }

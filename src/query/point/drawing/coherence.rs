@@ -26,7 +26,6 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
 use crate::query::point::drawing::Drawing;
 use crate::query::point::drawing::drawables::Source;
-use crate::query::point::drawing::occluders::NOBODY;
 use crate::query::point::drawing::recall::{Coherence, Recall, Usage};
 
 impl<'a> Drawing<'a> {
@@ -68,7 +67,6 @@ impl<'a> Drawing<'a> {
         }
         patches.sort_unstable();
         let mut batch = std::mem::take(&mut self.scratch.batch).emptied();
-        self.scratch.batches += 1;
         for of_object in patches.chunk_by(|a, b| a.0 == b.0) {
             let slot = of_object[0].0;
             if self.may_draw(slot)
@@ -91,7 +89,7 @@ impl<'a> Drawing<'a> {
         wanted: &impl Fn(&Self, &Block) -> bool,
         batch: &mut Batch<'a>,
     ) {
-        let (surface, base) = (source.surface, source.place.base);
+        let (surface, base) = (source.surface, source.first);
         let mut at = PatchIndex::FIRST;
         for &(_, patch) in patches {
             // Groups come before their parts: those that end before the patch are passed by, the
@@ -107,7 +105,7 @@ impl<'a> Drawing<'a> {
                 continue;
             }
             at = surface.next(patch);
-            let drawn = self.scratch.drawn.get(base.of(patch)).epoch == self.scratch.useful.epoch();
+            let drawn = self.scratch.drawn.get(base.of(patch)) == self.scratch.useful.epoch();
             if !drawn && wanted(self, &source.block(patch)) {
                 self.collect_alone(source, patch, batch);
             }
@@ -122,13 +120,13 @@ impl<'a> Drawing<'a> {
         }
         let coherence = &mut self.scratch.coherence;
         let id = |index: u32| batch.drawables[index as usize].id;
-        let is_new = |index: u32| !batch.drawables[index as usize].again;
         coherence.changed.resize(self.scratch.patches.len(), false);
-        for &index in self.scratch.buffers.useful_patches().iter().filter(|&&index| is_new(index)) {
+        for &index in self.scratch.buffers.useful_patches() {
             coherence.changed[id(index) as usize] = true;
         }
-        let sights = batch.sights.iter().filter(|sight| is_new(sight.patch));
-        coherence.sights.extend(sights.map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
+        coherence
+            .sights
+            .extend(batch.sights.iter().map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
     }
 
     /// Draws the occluders that wait before some boxes. Returns whether there are any.
@@ -163,7 +161,7 @@ impl<'a> Drawing<'a> {
             !draws
         });
         self.scratch.coherence.waiting_solids = solids;
-        self.draw_all_patches(i32::MAX);
+        self.draw_patches();
         let mut patches = std::mem::take(&mut self.scratch.coherence.waiting_patches);
         self.draw_patches_of(&mut patches, |walk, block| walk.is_before(block, &tiles));
         self.scratch.coherence.waiting_patches = patches;
@@ -198,7 +196,7 @@ impl<'a> Drawing<'a> {
             let useful = changed && block.is_some_and(|block| !self.hides(&block));
             coherence.solids[slot.index()] = usage(useful);
         }
-        for &slot in used.solids.iter().filter(|&&slot| slot != NOBODY) {
+        for &slot in &used.solids {
             coherence.solids[slot.index()] = usage(true);
         }
         coherence.useful_solids.clear();
@@ -212,9 +210,9 @@ impl<'a> Drawing<'a> {
     fn remember_patches(&self, coherence: &mut Coherence, used: &UsedFinely, usage: impl Fn(bool) -> Recall) {
         let scene = self.run.scene;
         let numbers = |slot: Slot, patch: PatchIndex| {
-            let place = scene.seams().place(slot);
+            let first = scene.patch_numbers().first_of(slot);
             let next = Source::of(self.run.scene, slot).map_or(patch.after(), |s| s.surface.next(patch));
-            place.base.of(patch)..place.base.of(next)
+            first.of(patch)..first.of(next)
         };
         let mut open = vec![false; coherence.changed.len()];
         let faces: Vec<_> = self.scratch.buffers.faces().collect();

@@ -5,8 +5,7 @@ use glam::{DVec3, Vec3};
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
-use crate::mesh::surface::seams::Place;
-use crate::mesh::surface::{PatchIndex, PatchSide, PatchSlab, Surface};
+use crate::mesh::surface::{Patch, PatchIndex, PatchNumber, PatchSide, Surface};
 use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -23,7 +22,8 @@ pub(super) struct Source<'a> {
     pub(super) surface: &'a Surface,
     /// Where the surface stands, if it is an instance.
     pub(super) placement: Option<&'a Placement>,
-    pub(super) place: &'a Place,
+    /// The number of its first patch in the scene.
+    pub(super) first: PatchNumber,
 }
 
 /// The slab of a patch in world units.
@@ -42,12 +42,12 @@ impl<'a> Source<'a> {
     pub(super) fn of(scene: &'a Scene, slot: Slot) -> Option<Self> {
         let occluder = scene.object(slot).occluder()?;
         let (surface, placement) = (occluder.surface()?, occluder.placement());
-        Some(Source { slot, surface, placement, place: scene.seams().place(slot) })
+        Some(Source { slot, surface, placement, first: scene.patch_numbers().first_of(slot) })
     }
 
     /// A box around a patch as it is placed, in world units.
     pub(super) fn block(&self, patch: PatchIndex) -> Block {
-        let (min, max) = self.surface.extent(patch);
+        let &Patch { min, max, .. } = self.surface.patch(patch);
         placed_block(&Block { min: min.as_dvec3(), max: max.as_dvec3() }, self.placement)
     }
 
@@ -59,11 +59,11 @@ impl<'a> Source<'a> {
         (view, starts): (&View, &Starts),
         buffers: &OcclusionBuffers,
     ) -> Option<Drawable<'a>> {
-        let &Source { surface, placement, place, .. } = self;
+        let &Source { surface, placement, first, .. } = self;
         let (eye, direction) = (buffers.origin(), buffers.direction());
         let block = buffers.relative(world);
         let PlacedSlab { normal, lo, hi, error, slack } =
-            placed_slab(surface.slab(patch), placement, buffers.uncertainty())?;
+            placed_slab(surface.patch(patch), placement, buffers.uncertainty())?;
         let base = normal.dot(eye);
         let room = error + SLAB * (base.abs() + eye.abs().max_element() + lo.abs().max(hi.abs()));
         let slab = (lo.min(hi) - base - room, lo.max(hi) - base + room);
@@ -112,13 +112,10 @@ impl<'a> Source<'a> {
             placement,
             patch,
             id: 0,
-            number: place.base.of(patch),
-            links: &place.links,
+            number: first.of(patch),
             block,
             normal,
             slab,
-            again: false,
-            alone: false,
             turned: height < 0.0,
             faces_eye,
             error,
@@ -149,7 +146,7 @@ impl<'a> Source<'a> {
             // Nor if it is NaN.
             (a + way * share).length() > clear
         };
-        (slab.0 > beside || slab.1 < -beside) && self.surface.outline(patch).all(|(_, side)| is_far(side))
+        (slab.0 > beside || slab.1 < -beside) && self.surface.outline(patch).all(is_far)
     }
 }
 
@@ -206,7 +203,7 @@ fn is_below_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bo
 
 /// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range
 /// of numbers.
-fn placed_slab(patch: PatchSlab, placement: Option<&Placement>, unsure: f64) -> Option<PlacedSlab> {
+fn placed_slab(patch: &Patch, placement: Option<&Placement>, unsure: f64) -> Option<PlacedSlab> {
     let (mut error, mut slack) = (unsure, f64::from(patch.slack));
     let Some(p) = placement else {
         return Some(PlacedSlab { normal: patch.normal, lo: patch.lo, hi: patch.hi, error, slack });

@@ -1,4 +1,4 @@
-//! Drawing occluders: convex ones and boxes of opaque cells ([`occluders`]), surfaces of triangles
+//! Drawing occluders: convex ones ([`occluders`]), surfaces of triangles
 //! ([`surfaces`], [`drawables`]), those of the last run first ([`coherence`]).
 
 mod coherence;
@@ -42,37 +42,8 @@ pub(super) struct Drawing<'a> {
     starts: Starts,
     /// A box around the eye and those regions; `None` for parallel rays.
     around_starts: Option<Block>,
-    /// Whether boxes of opaque cells may be drawn, once that was found out.
-    fuses: Option<bool>,
     /// The counts of the run: the rest of the walk adds its own.
     pub(super) stats: Stats,
-}
-
-/// How a patch was drawn.
-#[derive(Debug, Clone, Copy, Default)]
-struct DrawnPatch {
-    /// The query.
-    epoch: u32,
-    /// The batch of that query.
-    batch: u32,
-    /// The number in its surface of the patch that it was drawn in: itself or a group.
-    whole: PatchIndex,
-}
-
-/// Patches of one shell that wait.
-#[derive(Debug, Clone, Default)]
-struct Waiting {
-    /// Object and patch.
-    listed: Vec<(Slot, PatchIndex)>,
-    /// The number of patches in those listed.
-    count: u64,
-}
-
-impl Waiting {
-    fn clear(&mut self) {
-        self.listed.clear();
-        self.count = 0;
-    }
 }
 
 /// The objects on whose occluders a kept result may rest: all that were not hidden when they were
@@ -109,12 +80,11 @@ impl Offered {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DrawingScratch {
     pub(crate) buffers: OcclusionBuffers,
-    /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
-    waiting: Vec<Waiting>,
-    /// For each patch of the scene, how it was drawn last.
-    drawn: ByPatch<DrawnPatch>,
-    batches: u32,
-    /// Memory for one of them.
+    /// Objects in sight whose surfaces are yet to be drawn.
+    waiting: Vec<Slot>,
+    /// For each patch of the scene, the last coherent query that drew it.
+    drawn: ByPatch<u32>,
+    /// Memory for patches that are drawn together.
     batch: Batch<'static>,
     /// The patches drawn, in the order of first drawing: object and patch.
     patches: Vec<(Slot, PatchIndex)>,
@@ -129,9 +99,9 @@ impl<'a> Drawing<'a> {
     /// Empties all lists of the last run; the buffers stay as they are.
     pub(super) fn new(run: Run<'a>, scratch: &'a mut DrawingScratch) -> Self {
         let Run { scene, view, .. } = run;
-        let (slots, patches) = (scene.slot_count(), scene.seams().patches());
+        let (slots, patches) = (scene.slot_count(), scene.patch_numbers().end());
         scratch.useful.begin(slots);
-        scratch.waiting.iter_mut().for_each(Waiting::clear);
+        scratch.waiting.clear();
         scratch.patches.clear();
         scratch.buffers.begin_patches();
         scratch.offered.0.clear();
@@ -148,7 +118,7 @@ impl<'a> Drawing<'a> {
         let bricks = scene.grid().bricks();
         let around = Shells::around_eye(&bricks, run.scene.extent_in_bricks(), view, Start::Eye);
         let stats = Stats::default();
-        Self { run, scratch, bricks, around, starts, around_starts, fuses: None, stats }
+        Self { run, scratch, bricks, around, starts, around_starts, stats }
     }
 
     /// The buffers with all that was drawn so far.
@@ -204,7 +174,7 @@ impl DrawingScratch {
         let options = PointOptions::new().unrefined();
         let mut drawing = Drawing::new(Run::new(scene, view, &options, None), self);
         slots.for_each(|slot| drawing.draw(slot));
-        drawing.draw_all_patches(i32::MAX);
+        drawing.draw_patches();
         drawing.stats.occluders_drawn
     }
 

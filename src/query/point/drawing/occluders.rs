@@ -1,24 +1,19 @@
-//! Drawing convex occluders and boxes of opaque cells.
+//! Drawing convex occluders.
 
 use casca_slots::Slot;
 
 use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::grid::cell_box::CellBox;
 use crate::numeric::shape::REGION;
 use crate::object::Occluder;
 use crate::query::point::drawing::Drawing;
 use crate::query::point::drawing::recall::Role;
-use crate::query::start::rays_start_in_occluder;
 
 /// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer
 /// pixels they hide too little for the time that they take: scenes of thousands lose less than one
 /// object of a thousand.
 const SMALLEST_OCCLUDER: f64 = 0.35;
-
-/// The owner of boxes of cells, which belong to no object.
-pub(super) const NOBODY: Slot = Slot::new(u32::MAX);
 
 /// A mesh is drawn in patches, too, if its radius exceeds that of the solid inside it by more
 /// pixels than this. Narrower gaps hide less than the pixels that the outlines of patches touch.
@@ -179,26 +174,5 @@ impl Drawing<'_> {
             || occluder
                 .beside_shells()
                 .is_some_and(|gap| !self.is_like_solids(&occluder.block(), gap, SHELLS_ALONE))
-    }
-
-    /// Draws a box of opaque cells.
-    pub(crate) fn draw_cells(&mut self, cells: &CellBox) {
-        let buffers = &mut self.scratch.buffers;
-        let (min, max) = self.run.scene.grid().range_bounds(cells.lo, cells.hi);
-        let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
-        let block = Block { min: min - origin + shrink, max: max - origin - shrink };
-        if block.min.cmplt(block.max).all()
-            && !buffers.hides(&block)
-            && buffers.draw_body(&Body::Block(block), NOBODY).is_some()
-        {
-            self.stats.cells_drawn += 1;
-        }
-    }
-
-    /// Whether opaque cells hide anything: rays must start outside the solids that make them
-    /// opaque.
-    pub(crate) fn may_fuse(&mut self) -> bool {
-        let in_occluder = || rays_start_in_occluder(self.run.scene, self.run.view, &self.starts);
-        *self.fuses.get_or_insert_with(|| !in_occluder())
     }
 }
