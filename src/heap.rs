@@ -3,6 +3,9 @@
 
 /// The words before a value that an `Arc` shares: its two counts.
 const COUNTS: usize = 2 * size_of::<usize>();
+/// Entries of a node of a B-tree, and those that it has on average after many insertions.
+const NODE: usize = 11;
+const IN_NODE: usize = 8;
 /// Control bytes of a hash table beyond its last place.
 const GROUP: usize = 16;
 
@@ -18,4 +21,12 @@ pub(crate) const fn in_table<T>(capacity: usize) -> usize {
         1..=3 => 4 * (size_of::<T>() + 1) + GROUP,
         _ => (capacity * 8).div_ceil(7) * (size_of::<T>() + 1) + GROUP,
     }
+}
+
+/// A B-tree of a number of entries of a type.
+pub(crate) const fn in_tree<T>(entries: usize) -> usize {
+    let leaf = NODE * size_of::<T>() + 2 * size_of::<usize>();
+    let branch = leaf + (NODE + 1) * size_of::<usize>();
+    let leaves = entries.div_ceil(IN_NODE);
+    if leaves < 2 { leaves * leaf } else { leaves * leaf + leaves.div_ceil(IN_NODE) * (branch - leaf) }
 }

@@ -63,7 +63,7 @@ use casca_slots::Slots;
 use glam::DVec3;
 
 use crate::grid::Grid;
-use crate::mesh::surface::numbers::PatchNumbers;
+use crate::mesh::surface::seams::Seams;
 use crate::scene::changes::Changes;
 use crate::scene::clock::Clock;
 use crate::scene::last_frame::LastFrame;
@@ -146,7 +146,7 @@ pub struct Scene {
     /// O and Os, with the boxes of static opaque cells that are drawn like solids.
     opacity: Opacity,
     /// The patches of all surfaces, and where those of static objects touch.
-    patch_numbers: PatchNumbers,
+    seams: Seams,
     /// The time, and what is due by it.
     clock: Clock,
     /// What the views of the last frame saw.

@@ -184,9 +184,17 @@ impl Object {
         self.set_idle(None);
     }
 
+    /// Whether positions of an occluder's triangles are shared with other objects: those that are
+    /// drawn where they are.
+    pub(super) fn shares_positions(&self, occluder: &Occluder) -> bool {
+        self.is_static() && occluder.placement().is_none()
+    }
+
     /// Whether it keeps the numbers of its patches with another occluder.
     pub(super) fn keeps_surface(&self, occluder: Option<&Occluder>) -> bool {
-        let drawn = |o: Option<&Occluder>| o.and_then(|o| o.surface().map(std::ptr::from_ref));
+        let drawn = |o: Option<&Occluder>| {
+            o.and_then(|o| Some((std::ptr::from_ref(o.surface()?), self.shares_positions(o))))
+        };
         drawn(self.occluder()) == drawn(occluder)
     }
 

@@ -12,7 +12,7 @@ use crate::grid::cell_box::CellBox;
 use crate::id::ObjectId;
 use crate::matrix::ids::IdMatrix;
 use crate::matrix::tbv::TbvMatrix;
-use crate::mesh::surface::numbers::PatchNumbers;
+use crate::mesh::surface::seams::Seams;
 use crate::numeric::shape::{OCCLUDER_ROUNDING, OCCLUDER_SHARE};
 use crate::object::{Bounds, Motion, Occluder, transform_of_instances};
 use crate::scene::changes::{Changes, Journal};
@@ -80,7 +80,7 @@ impl Scene {
             user_data: UserData::default(),
             index: SpatialIndex::default(),
             opacity: Opacity::new(),
-            patch_numbers: PatchNumbers::default(),
+            seams: Seams::default(),
             clock: Clock::default(),
             last_frame: LastFrame::default(),
             changes: Changes::default(),
@@ -242,7 +242,7 @@ impl Scene {
             objects: self.living().map(|(_, object)| object.bytes()).sum::<usize>()
                 + self.slots.bytes()
                 + self.index.bytes_of_lists()
-                + self.patch_numbers.bytes()
+                + self.seams.bytes()
                 + self.clock.bytes()
                 + self.changes.bytes()
                 + self.last_frame.bytes()
@@ -294,8 +294,8 @@ impl Scene {
     }
 
     #[inline]
-    pub(crate) fn patch_numbers(&self) -> &PatchNumbers {
-        &self.patch_numbers
+    pub(crate) fn seams(&self) -> &Seams {
+        &self.seams
     }
 
     /// The objects that every query tests.

@@ -169,12 +169,12 @@ impl Scene {
         if let Some(old) = object.occluder()
             && let Some(surface) = old.surface()
         {
-            self.patch_numbers.remove(slot, surface.patch_count());
+            self.seams.remove(slot, surface, object.shares_positions(old));
         }
         object.set_occluder(occluder);
         if let Some(new) = object.occluder()
             && let Some(surface) = new.surface()
-            && !self.patch_numbers.insert(slot, surface.patch_count())
+            && !self.seams.insert(slot, surface, object.shares_positions(new))
         {
             object.idle();
         }

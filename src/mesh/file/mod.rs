@@ -5,7 +5,7 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `cascamsh` |
-//! | 4 | version, 5 |
+//! | 4 | version, 4 |
 //! | 8 | length of the contents |
 //! | | contents: the sections below, in this order |
 //! | 8 | checksum of all bytes before: FNV-1a of 64 bits |
@@ -19,12 +19,14 @@
 //! | flags | 3 | one entry: closed, occludes, hides from the front of triangles only (u8 each, 0 or 1) |
 //! | sides | 17 | from, to: two positions (u32), slack (f32), patch beyond or 2^32 - 1 (u32), opposite (u8, 0 or 1) |
 //! | patches | 76 | number of its sides (u32), number of patches inside (u32), sine of the greatest angle (f32), normal (f64 x 3), lo, hi (f64), box (f32 x 6) |
+//! | open sides | 12 | side (u32), chain (u64) |
 //! | parts | 6 and more | numbers of vertices, faces, edges (u16); vertices (f64 x 3), faces as outward normal and offset (f64 x 4), edges (u16 x 4) |
 //!
 //! Sides come in the order of their patches. A group comes before the patches inside, and has no
 //! sides of its own; the first patch contains all others. Groups that are drawn in parts only have
 //! the slab lo = infinity, hi = -infinity. Bounds, slacks and outlines that follow from the rest
-//! are computed when a file is read. A mesh that occludes nothing has no sides and patches. A mesh that is read and written again gives the same bytes.
+//! are computed when a file is read. A mesh that occludes nothing has no sides, patches and open
+//! sides. A mesh that is read and written again gives the same bytes.
 
 mod contents;
 mod read;
@@ -38,11 +40,11 @@ impl TriMesh {
     /// A number that changes whenever [`TriMesh::prepare`] makes another mesh of the same triangles
     /// and options, or [`TriMesh::write`] other bytes of it: a part of the names by which prepared
     /// meshes are stored.
-    pub const PREPARATION: u32 = 2;
+    pub const PREPARATION: u32 = 1;
 }
 
 const MAGIC: [u8; 8] = *b"cascamsh";
-const VERSION: u32 = 5;
+const VERSION: u32 = 4;
 
 /// Bytes before the contents.
 const HEADER: usize = 20;
@@ -55,6 +57,7 @@ const TRIANGLES: &str = "triangles";
 const FLAGS: &str = "flags";
 const SIDES: &str = "sides";
 const PATCHES: &str = "patches";
+const OPEN: &str = "open sides";
 const PARTS: &str = "parts";
 
 /// FNV-1a of 64 bits (Fowler, Noll and Vo 1991). No two inputs that differ in one byte have the

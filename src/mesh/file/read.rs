@@ -9,9 +9,11 @@ use crate::geometry::Aabb;
 use crate::geometry::plane::HalfSpace;
 use crate::mesh::file::contents::Contents;
 use crate::mesh::file::{
-    CHECKSUM, FLAGS, HEADER, MAGIC, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
+    CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
-use crate::mesh::surface::{Patch, PatchIndex, PatchSide, Surface, Topology, first_of_equals, slack};
+use crate::mesh::surface::{
+    Beyond, EDGE, Patch, PatchIndex, PatchSide, Surface, Topology, first_of_equals, slack,
+};
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::FILE_ROUNDING;
 use crate::shape::convex::Convex;
@@ -117,7 +119,7 @@ impl Contents<'_> {
     }
 
     fn surface(&mut self, positions: &[Vec3], bounds: Aabb, front: bool) -> Result<Surface, FileError> {
-        let sides = self.section(SIDES, 17, |c, i| {
+        let mut sides = self.section(SIDES, 17, |c, i| {
             let ends = [c.u32()?, c.u32()?];
             let there = ends.iter().all(|&v| (v as usize) < positions.len());
             c.check(i, there, "names a position that is not there")?;
@@ -127,7 +129,7 @@ impl Contents<'_> {
             let alone = twin == PatchIndex::NONE;
             c.check(i, !(alone && opposite), "is opposite to no patch")?;
             c.check(i, alone || twin < PatchSide::MOST, "names a patch that is not there")?;
-            Ok(PatchSide::new(ends, slack, (!alone).then_some((twin, opposite))))
+            Ok(PatchSide::new(ends, slack, if alone { Beyond::More } else { Beyond::Patch(twin, opposite) }))
         })?;
         let patches = self.patches(positions, bounds, &sides)?;
         let beyond = |s: &PatchSide| {
@@ -137,14 +139,27 @@ impl Contents<'_> {
         if let Some(entry) = sides.iter().position(beyond) {
             return Err(FileError::Entry { section: SIDES, entry, why: "names a patch that is not there" });
         }
+        let mut next = 0;
+        let mut chains = self.section(OPEN, 12, |c, i| {
+            let (side, chain) = (c.u32()?, c.u64()?);
+            let alone = sides.get_mut(side as usize).filter(|s| s.twin() == PatchIndex::NONE);
+            let Some(alone) = alone else {
+                return Err(c.broken(i, "names a side that is not there, or has a patch beyond"));
+            };
+            *alone = alone.opened();
+            c.check(i, side as usize >= next, "names a side that comes before that of the last entry")?;
+            next = side as usize + 1;
+            Ok((side, chain))
+        })?;
+        chains.retain(|chain| chain.1 != EDGE);
         let positions = positions.into();
-        let mut surface = Surface { positions, sides, patches, front, ..Surface::default() };
+        let mut surface = Surface { positions, sides, patches, front, chains, ..Surface::default() };
         surface.find_group_outlines();
         self.section = PATCHES;
         for (i, patch) in surface.indexed().filter(|(i, p)| p.next > i.after()) {
             let along = |p: Vec3| patch.normal.dot(p.as_dvec3());
             let inside = |p: Vec3| patch.lo <= along(p) && along(p) <= patch.hi;
-            let all = surface.outline(i).all(|side| surface.ends(&side).into_iter().all(inside));
+            let all = surface.outline(i).all(|(_, side)| surface.ends(&side).into_iter().all(inside));
             self.check(i.index(), all, "has parts that leave its slab")?;
         }
         surface.shrink();

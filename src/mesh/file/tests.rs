@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use super::{CHECKSUM, FLAGS, HEADER, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum};
+use super::{CHECKSUM, FLAGS, HEADER, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum};
 use crate::error::FileError;
 use crate::geometry::Sphere;
 use crate::mesh::instance::Instance;
@@ -97,9 +97,9 @@ fn mend(bytes: &mut Vec<u8>) {
 }
 
 /// Where the count of each section is.
-fn places(bytes: &[u8]) -> [usize; 6] {
+fn places(bytes: &[u8]) -> [usize; 7] {
     let mut at = HEADER;
-    [12, 12, 3, 17, 76, 0].map(|size| {
+    [12, 12, 3, 17, 76, 12, 0].map(|size| {
         let here = at;
         at += 8 + size * u64::from_le_bytes(*bytes[at..].first_chunk().unwrap()) as usize;
         here
@@ -136,7 +136,8 @@ fn what_is_read_is_what_was_written() {
     assert!(all.iter().any(|m| m.surface.sides.iter().any(|s| s.slack > 0.0)));
     assert!(all.iter().any(|m| m.surface.sides.iter().any(|s| s.opposite())));
     assert!(all.iter().any(|m| m.surface.group_outlines.len() > 1 && m.closed));
-    assert!(all.iter().any(|m| m.surface.front));
+    assert!(all.iter().any(|m| m.surface.leaf_sides().any(|side| side.2.is_open()) && m.surface.front));
+    assert!(all.iter().any(|m| !m.surface.chains.is_empty()));
     // One after the other, and nothing of the next is taken.
     let mut stream: Vec<u8> = all.iter().flat_map(bytes).collect();
     stream.extend(b"more");
@@ -301,17 +302,18 @@ fn refuses_each(whole: &[u8], changes: &[Change]) {
 #[test]
 fn refuses_nonsense_with_a_right_checksum() {
     let whole = bytes(&corner());
-    let [positions, triangles, flags, sides, patches, _] = places(&whole);
+    let [positions, triangles, flags, sides, patches, open, _] = places(&whole);
     // A bundle of two patches.
     let [whole_patch, one, two_patch] = [8, 84, 160].map(|at| patches + at);
     let (nan, inf) = (f32::NAN.to_le_bytes(), f32::INFINITY.to_le_bytes());
     let (nan64, two) = (f64::NAN.to_le_bytes(), 2f64.to_le_bytes());
     let none = u32::MAX.to_le_bytes();
-    // A side without a patch beyond, and one with it.
+    // The first open side, and one with a patch beyond.
+    let alone = u32::from_le_bytes(*whole[open + 8..].first_chunk().unwrap()) as usize;
     let mesh = corner();
-    let alone = mesh.surface.sides.iter().position(|s| s.twin() == PatchIndex::NONE).unwrap();
     let beyond = mesh.surface.sides.iter().position(|s| s.twin() != PatchIndex::NONE).unwrap();
     let twin = |side: usize| sides + 8 + 17 * side + 12;
+    let other = 2 - u32::from(mesh.surface.patches[1].last as usize <= alone);
     let own = (1 + u32::from(mesh.surface.patches[1].last as usize <= beyond)).to_le_bytes();
     // A corner of the other patch than that of the first side.
     let far = if mesh.surface.patches[1].normal.y.abs() > 0.5 { 4u32 } else { 2 };
@@ -335,6 +337,7 @@ fn refuses_nonsense_with_a_right_checksum() {
         (twin(beyond), &0u32.to_le_bytes(), SIDES, "not there"),
         (twin(beyond), &own, PATCHES, "itself beyond"),
         (twin(beyond), &none, SIDES, "opposite to no patch"),
+        (twin(alone), &other.to_le_bytes(), OPEN, "patch beyond"),
         (twin(alone) + 4, &[7], SIDES, "neither 0 nor 1"),
         (whole_patch, &1u32.to_le_bytes(), PATCHES, "though it is a group"),
         (whole_patch + 4, &none, PATCHES, "leaves its group"),
@@ -355,6 +358,9 @@ fn refuses_nonsense_with_a_right_checksum() {
         (one + 52, &nan, PATCHES, "leaves the mesh"),
         (one + 52, &0f32.to_le_bytes(), PATCHES, "leaves the mesh"),
         (one + 64, &7f32.to_le_bytes(), PATCHES, "leaves the mesh"),
+        (open + 8, &none, OPEN, "not there"),
+        (open + 8, &(beyond as u32).to_le_bytes(), OPEN, "patch beyond"),
+        (open + 20, &(alone as u32).to_le_bytes(), OPEN, "comes before"),
     ];
     refuses_each(&whole, changes);
 }

@@ -61,7 +61,7 @@ impl TriMesh {
         out.push(u8::from(self.surface.front));
         let surface = &self.surface;
         count(out, surface.sides.len());
-        for side in &surface.sides {
+        for (_, _, side) in surface.leaf_sides() {
             out.extend(side.ends.iter().flat_map(|v| v.to_le_bytes()));
             out.extend(side.slack.to_le_bytes());
             out.extend(side.twin().get().to_le_bytes());
@@ -78,6 +78,14 @@ impl TriMesh {
             out.extend([x, y, z, patch.lo, patch.hi].iter().flat_map(|v| v.to_le_bytes()));
             put3(out, patch.min);
             put3(out, patch.max);
+        }
+        // In the file sides are numbered as they come.
+        let open = || (0u32..).zip(surface.leaf_sides()).filter(|(_, (_, _, side))| side.is_open());
+        count(out, open().count());
+        let mut chain = surface.chain();
+        for (place, (_, number, _)) in open() {
+            out.extend(place.to_le_bytes());
+            out.extend(chain(number).to_le_bytes());
         }
         count(out, self.parts.len());
         for Convex { vertices, faces, edges, .. } in &self.parts {

@@ -5,6 +5,8 @@ use smallvec::{SmallVec, smallvec};
 
 use crate::mesh::lists::Lists;
 use crate::mesh::surface::grow::Patches;
+use crate::mesh::surface::patch::EDGE;
+use crate::mesh::surface::position::key;
 use crate::mesh::surface::weld::Welded;
 use crate::numeric::mesh::SLACK;
 
@@ -29,6 +31,8 @@ pub(crate) struct Straight {
     pub(crate) ends: [u32; 2],
     pub(crate) slack: f64,
     pub(crate) runs: Runs,
+    /// Tells the chain of an open edge from others.
+    pub(crate) chain: u64,
 }
 
 /// The edges of triangles that do not cancel inside a patch.
@@ -145,10 +149,22 @@ fn straighten(mesh: &Welded, chain: &[u32], runs: &Runs, tolerance: f64, out: &m
             spans.extend([(cut, b, depth + 1), (a, cut, depth + 1)]);
             continue;
         }
+        let chain_hash = hash(mesh, &chain[a..=b]);
         // Room for the rounding of the distances.
         let slack = if slack > 0.0 { slack * (1.0 + SLACK) } else { 0.0 };
-        out.push(Straight { ends: [chain[a], chain[b]], slack, runs: runs.clone() });
+        out.push(Straight { ends: [chain[a], chain[b]], slack, runs: runs.clone(), chain: chain_hash });
     }
+}
+
+/// A number that tells the points between a chain's ends from others, whichever end it starts at
+/// (after FNV-1a, Fowler, Noll and Vo 1991, by words).
+fn hash(mesh: &Welded, chain: &[u32]) -> u64 {
+    let at = |i: usize| key(mesh.positions[chain[i] as usize]);
+    let last = chain.len() - 1;
+    let upwards = at(0) <= at(last);
+    (1..last)
+        .flat_map(|i| at(if upwards { i } else { last - i }))
+        .fold(EDGE, |h, word| (h ^ u64::from(word)).wrapping_mul(0x100_0000_01b3).rotate_left(29))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::mesh::surface::chain::Straight;
 use crate::mesh::surface::groups::SharedBorder;
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::index::PatchIndex;
-use crate::mesh::surface::patch::{NONE, Patch, PatchSide, Rules, Surface, slack};
+use crate::mesh::surface::patch::{Beyond, EDGE, NONE, Patch, PatchSide, Rules, Surface, slack};
 use crate::mesh::surface::tree::{PatchNode, Tree};
 use crate::mesh::surface::weld::Welded;
 
@@ -93,10 +93,11 @@ fn directed(straight: &[Straight]) -> impl Iterator<Item = (u32, u32)> + Clone {
 
 /// The patches that run along an edge.
 enum Beside {
+    One,
     /// Two of them, and whether they run in opposite directions.
     Two([u32; 2], bool),
-    /// One, none, more than two, or one several times.
-    Other,
+    /// None, more than two, or one several times.
+    More,
 }
 
 impl Beside {
@@ -104,8 +105,9 @@ impl Beside {
     fn new(edge: &Straight, number: impl Fn(u32) -> u32) -> Self {
         let mut kept = edge.runs.iter().map(|r| (number(r.0), r.1)).filter(|r| r.0 != NONE);
         match (kept.next(), kept.next(), kept.next()) {
+            (Some((_, x)), None, None) if x.abs() == 1 => Self::One,
             (Some((p, x)), Some((q, y)), None) if x.abs() == 1 && y.abs() == 1 => Self::Two([p, q], x == -y),
-            _ => Self::Other,
+            _ => Self::More,
         }
     }
 }
@@ -203,10 +205,14 @@ impl Surface {
         let [a, b] = edge.ends.map(|v| mesh.names[v as usize]);
         let beyond = match *beside {
             Beside::Two([p, q], opposite) => {
-                Some((PatchIndex::new(if p == patch { q } else { p }), opposite))
+                Beyond::Patch(PatchIndex::new(if p == patch { q } else { p }), opposite)
             }
-            Beside::Other => None,
+            Beside::One => Beyond::Open,
+            Beside::More => Beyond::More,
         };
+        if beyond == Beyond::Open && edge.chain != EDGE {
+            self.chains.push((self.sides.len() as u32, edge.chain));
+        }
         let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
         self.sides.push(PatchSide::new(if against { [b, a] } else { [a, b] }, slack, beyond));
     }

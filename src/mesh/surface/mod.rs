@@ -24,15 +24,15 @@ mod groups;
 mod grow;
 mod halves;
 mod index;
-pub(crate) mod numbers;
 mod patch;
 mod position;
+pub(crate) mod seams;
 mod split;
 mod tree;
 mod weld;
 
 pub(crate) use equal::first_of_equals;
 pub(crate) use index::{PatchIndex, PatchNumber};
-pub(crate) use patch::{Patch, PatchOutline, PatchSide, Rules, Surface, slack};
+pub(crate) use patch::{Beyond, EDGE, Patch, PatchOutline, PatchSide, Rules, Surface, slack};
 pub(crate) use position::key;
 pub(crate) use weld::{Topology, Welded};

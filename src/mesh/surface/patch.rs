@@ -6,6 +6,9 @@ use glam::{DVec3, Vec3};
 
 use crate::mesh::surface::index::PatchIndex;
 
+/// The number of a chain without points between its ends.
+pub(crate) const EDGE: u64 = 0xcbf2_9ce4_8422_2325;
+
 /// No patch, or no triangle.
 pub(crate) const NONE: u32 = u32::MAX;
 
@@ -16,21 +19,37 @@ pub(crate) struct PatchSide {
     pub(crate) ends: [u32; 2],
     /// No point of the chain is farther from it.
     pub(crate) slack: f32,
-    /// The patch on the other side with [`PatchSide::OPPOSITE`], or [`NONE`].
+    /// The patch on the other side with [`PatchSide::OPPOSITE`], or one of the numbers above.
     beyond: u32,
+}
+
+/// What is on the other side of a patch's side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Beyond {
+    /// No patch.
+    Open,
+    /// Several patches, or one several times.
+    More,
+    /// One patch, and whether it runs along the side in the opposite direction, so that the two
+    /// cancel.
+    Patch(PatchIndex, bool),
 }
 
 impl PatchSide {
     /// There are fewer patches than this: triangles have 29 bits.
     const OPPOSITE: u32 = 1 << 30;
+    const MORE: u32 = u32::MAX - 1;
+
     /// All patches are less.
     pub(crate) const MOST: PatchIndex = PatchIndex::new(Self::OPPOSITE);
+    const OPEN: u32 = u32::MAX;
 
-    /// `beyond` is the patch on the other side, if there is just one, and whether it runs along the
-    /// side in the opposite direction, so that the two cancel.
-    pub(crate) fn new(ends: [u32; 2], slack: f32, beyond: Option<(PatchIndex, bool)>) -> Self {
-        let beyond =
-            beyond.map_or(NONE, |(patch, opposite)| patch.get() | if opposite { Self::OPPOSITE } else { 0 });
+    pub(crate) fn new(ends: [u32; 2], slack: f32, beyond: Beyond) -> Self {
+        let beyond = match beyond {
+            Beyond::Open => Self::OPEN,
+            Beyond::More => Self::MORE,
+            Beyond::Patch(patch, opposite) => patch.get() | if opposite { Self::OPPOSITE } else { 0 },
+        };
         Self { ends, slack, beyond }
     }
 
@@ -38,7 +57,7 @@ impl PatchSide {
     #[inline]
     pub(crate) fn twin(&self) -> PatchIndex {
         match self.beyond {
-            NONE => PatchIndex::NONE,
+            Self::MORE.. => PatchIndex::NONE,
             patch => PatchIndex::new(patch & !Self::OPPOSITE),
         }
     }
@@ -47,6 +66,16 @@ impl PatchSide {
     #[inline]
     pub(crate) fn opposite(&self) -> bool {
         self.beyond >> 30 == 1
+    }
+
+    /// Whether there is no patch on the other side.
+    pub(crate) fn is_open(&self) -> bool {
+        self.beyond == Self::OPEN
+    }
+
+    /// The same with no patch on the other side.
+    pub(crate) fn opened(self) -> Self {
+        Self { beyond: Self::OPEN, ..self }
     }
 }
 
@@ -91,6 +120,9 @@ pub(crate) struct Surface {
     /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts
     /// if it is positive.
     pub(crate) outward: f64,
+    /// Open sides in place of a chain with points between its ends, and a number that tells the
+    /// chain from others; in the order of sides.
+    pub(crate) chains: Vec<(u32, u64)>,
 }
 
 /// How triangles become patches.
@@ -112,6 +144,7 @@ impl Surface {
         self.sides.capacity() * size_of::<PatchSide>()
             + self.patches.capacity() * size_of::<Patch>()
             + self.group_outlines.capacity() * size_of::<u32>()
+            + self.chains.capacity() * size_of::<(u32, u64)>()
     }
 
     /// The start and the end of a side.
@@ -120,11 +153,31 @@ impl Surface {
         side.ends.map(|v| self.positions[v as usize])
     }
 
+    /// The sides of patches without parts: the patch, the number of the side and the side.
+    pub(crate) fn leaf_sides(&self) -> impl Iterator<Item = (PatchIndex, u32, PatchSide)> {
+        let leaves = self.places().filter(|&i| self.next(i) == i.after());
+        leaves.flat_map(|i| self.outline(i).map(move |(number, side)| (i, number, side)))
+    }
+
+    /// A number that tells the chain of each open side from others, by the numbers of sides in
+    /// order.
+    pub(crate) fn chain(&self) -> impl FnMut(u32) -> u64 {
+        let mut chains = self.chains.as_slice();
+        move |number| match chains.split_first() {
+            Some((&(side, chain), rest)) if side == number => {
+                chains = rest;
+                chain
+            }
+            _ => EDGE,
+        }
+    }
+
     /// Gives back memory that is not used.
     pub(crate) fn shrink(&mut self) {
         self.sides.shrink_to_fit();
         self.group_outlines.shrink_to_fit();
         self.patches.shrink_to_fit();
+        self.chains.shrink_to_fit();
     }
 
     /// How many patches there are.
@@ -161,7 +214,7 @@ impl Surface {
         self.places().map(|i| (i, self.patch(i)))
     }
 
-    /// The sides of a patch.
+    /// The sides of a patch, with their numbers.
     #[inline]
     pub(crate) fn outline(&self, patch: PatchIndex) -> PatchOutline<'_> {
         let &Patch { first, last, next, .. } = self.patch(patch);
@@ -227,7 +280,7 @@ impl Surface {
     }
 }
 
-/// The sides of a patch, in order.
+/// The sides of a patch with their numbers, in order.
 #[derive(Debug, Clone)]
 pub(crate) struct PatchOutline<'a> {
     /// All sides of the surface.
@@ -239,7 +292,7 @@ pub(crate) struct PatchOutline<'a> {
 }
 
 impl Iterator for PatchOutline<'_> {
-    type Item = PatchSide;
+    type Item = (u32, PatchSide);
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
@@ -254,7 +307,7 @@ impl Iterator for PatchOutline<'_> {
             None => self.at,
         };
         self.at += 1;
-        self.sides.get(number as usize).copied()
+        Some((number, *self.sides.get(number as usize)?))
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {

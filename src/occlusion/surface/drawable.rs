@@ -17,6 +17,9 @@ pub(crate) struct Drawable<'a> {
     pub(crate) id: u32,
     /// Its number among all patches of the scene. Those of one surface follow each other.
     pub(crate) number: PatchNumber,
+    /// Patches of other surfaces at the open sides of this one: (side, number of the patch, whether
+    /// the two run along it in opposite directions), in order of sides.
+    pub(crate) links: &'a [(u32, PatchNumber, bool)],
     /// A box around it.
     pub(crate) block: Block,
     /// All of it lies where `lo <= normal . x <= hi`.
@@ -32,15 +35,22 @@ pub(crate) struct Drawable<'a> {
 }
 
 impl<'a> Drawable<'a> {
-    /// The patch beyond a side of its outline: the number of the patch, and whether the two run
-    /// along the side in opposite directions.
+    /// The patch beyond a side of its outline, which is given with its number: the number of the
+    /// patch, and whether the two run along the side in opposite directions.
     #[inline]
-    pub(crate) fn beyond(&self, side: &PatchSide) -> Option<(PatchNumber, bool)> {
+    pub(crate) fn beyond(&self, number: u32, side: &PatchSide) -> Option<(PatchNumber, bool)> {
         let twin = side.twin();
-        (twin != PatchIndex::NONE).then(|| (self.number.base(self.patch).of(twin), side.opposite()))
+        if twin != PatchIndex::NONE {
+            return Some((self.number.base(self.patch).of(twin), side.opposite()));
+        }
+        if self.links.is_empty() {
+            return None;
+        }
+        let link = self.links.get(self.links.partition_point(|l| l.0 < number))?;
+        (link.0 == number).then_some((link.1, link.2))
     }
 
-    /// The sides of its outline.
+    /// The sides of its outline, with their numbers.
     #[inline]
     pub(crate) fn outline(&self) -> PatchOutline<'a> {
         self.surface.outline(self.patch)

@@ -293,14 +293,14 @@ impl Projector {
 fn gather(d: &Drawable, out: &mut SeenSides) {
     out.placed.clear();
     let (mut at, mut end, positions) = (0, None, &d.surface.positions);
-    for side in d.outline() {
+    for (number, side) in d.outline() {
         let [from, to] = side.ends;
         if let Some(end) = end.filter(|&end| end != from) {
             out.push(at, positions[end as usize]);
             at += 1;
         }
         out.push(at, positions[from as usize]);
-        out.begin(at, side.slack, d.beyond(&side));
+        out.begin(at, side.slack, d.beyond(number, &side));
         (at, end) = (at + 1, Some(to));
     }
     // The rest repeats the last one.
@@ -403,6 +403,7 @@ mod tests {
                     patch,
                     id: 0,
                     number: crate::mesh::surface::PatchNumber::new(patch.get()),
+                    links: &[],
                     block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
                     normal: DVec3::X,
                     slab: (0.0, 0.0),
@@ -420,7 +421,9 @@ mod tests {
                 deep += out.deep.len();
                 let begin = |s: &Sides| (0..LANES).filter(|i| s.begins >> i & 1 == 1).collect::<Vec<_>>();
                 let points = out.groups.iter().flat_map(|s| begin(s).into_iter().map(move |i| (s, i)));
-                for ((Sides { x, y, wide, unsure, plain, .. }, i), side) in points.zip(drawable.outline()) {
+                for ((Sides { x, y, wide, unsure, plain, .. }, i), (_, side)) in
+                    points.zip(drawable.outline())
+                {
                     if plain >> i & 1 == 0 {
                         continue;
                     }

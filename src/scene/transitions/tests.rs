@@ -312,7 +312,7 @@ fn an_occluder_without_numbers_leaves_no_opaque_cells() {
         let opaque = |scene: &Scene, x| scene.is_opaque(IVec3::new(x, 12, 16), u64::MAX);
         assert!(opaque(&scene, 8));
         if used_up {
-            scene.patch_numbers.use_up();
+            scene.seams.use_up();
         }
         scene.update(id, two.clone(), Some(two.into())).unwrap();
         assert_eq!(opaque(&scene, 8), !used_up);

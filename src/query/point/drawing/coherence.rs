@@ -89,7 +89,7 @@ impl<'a> Drawing<'a> {
         wanted: &impl Fn(&Self, &Block) -> bool,
         batch: &mut Batch<'a>,
     ) {
-        let (surface, base) = (source.surface, source.first);
+        let (surface, base) = (source.surface, source.place.base);
         let mut at = PatchIndex::FIRST;
         for &(_, patch) in patches {
             // Groups come before their parts: those that end before the patch are passed by, the
@@ -210,9 +210,9 @@ impl<'a> Drawing<'a> {
     fn remember_patches(&self, coherence: &mut Coherence, used: &UsedFinely, usage: impl Fn(bool) -> Recall) {
         let scene = self.run.scene;
         let numbers = |slot: Slot, patch: PatchIndex| {
-            let first = scene.patch_numbers().first_of(slot);
+            let place = scene.seams().place(slot);
             let next = Source::of(self.run.scene, slot).map_or(patch.after(), |s| s.surface.next(patch));
-            first.of(patch)..first.of(next)
+            place.base.of(patch)..place.base.of(next)
         };
         let mut open = vec![false; coherence.changed.len()];
         let faces: Vec<_> = self.scratch.buffers.faces().collect();

@@ -5,7 +5,8 @@ use glam::{DVec3, Vec3};
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
-use crate::mesh::surface::{Patch, PatchIndex, PatchNumber, PatchSide, Surface};
+use crate::mesh::surface::seams::Place;
+use crate::mesh::surface::{Patch, PatchIndex, PatchSide, Surface};
 use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -22,8 +23,7 @@ pub(super) struct Source<'a> {
     pub(super) surface: &'a Surface,
     /// Where the surface stands, if it is an instance.
     pub(super) placement: Option<&'a Placement>,
-    /// The number of its first patch in the scene.
-    pub(super) first: PatchNumber,
+    pub(super) place: &'a Place,
 }
 
 /// The slab of a patch in world units.
@@ -42,7 +42,7 @@ impl<'a> Source<'a> {
     pub(super) fn of(scene: &'a Scene, slot: Slot) -> Option<Self> {
         let occluder = scene.object(slot).occluder()?;
         let (surface, placement) = (occluder.surface()?, occluder.placement());
-        Some(Source { slot, surface, placement, first: scene.patch_numbers().first_of(slot) })
+        Some(Source { slot, surface, placement, place: scene.seams().place(slot) })
     }
 
     /// A box around a patch as it is placed, in world units.
@@ -59,7 +59,7 @@ impl<'a> Source<'a> {
         (view, starts): (&View, &Starts),
         buffers: &OcclusionBuffers,
     ) -> Option<Drawable<'a>> {
-        let &Source { surface, placement, first, .. } = self;
+        let &Source { surface, placement, place, .. } = self;
         let (eye, direction) = (buffers.origin(), buffers.direction());
         let block = buffers.relative(world);
         let PlacedSlab { normal, lo, hi, error, slack } =
@@ -112,7 +112,8 @@ impl<'a> Source<'a> {
             placement,
             patch,
             id: 0,
-            number: first.of(patch),
+            number: place.base.of(patch),
+            links: &place.links,
             block,
             normal,
             slab,
@@ -146,7 +147,7 @@ impl<'a> Source<'a> {
             // Nor if it is NaN.
             (a + way * share).length() > clear
         };
-        (slab.0 > beside || slab.1 < -beside) && self.surface.outline(patch).all(is_far)
+        (slab.0 > beside || slab.1 < -beside) && self.surface.outline(patch).all(|(_, side)| is_far(side))
     }
 }
 

@@ -99,7 +99,7 @@ impl<'a> Drawing<'a> {
     /// Empties all lists of the last run; the buffers stay as they are.
     pub(super) fn new(run: Run<'a>, scratch: &'a mut DrawingScratch) -> Self {
         let Run { scene, view, .. } = run;
-        let (slots, patches) = (scene.slot_count(), scene.patch_numbers().end());
+        let (slots, patches) = (scene.slot_count(), scene.seams().patches());
         scratch.useful.begin(slots);
         scratch.waiting.clear();
         scratch.patches.clear();

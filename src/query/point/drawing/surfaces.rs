@@ -64,7 +64,7 @@ impl<'a> Drawing<'a> {
         }
         self.stats.patches_drawn += batch.drawables.len() as u32;
         let listed = self.run.options.refine_patches > 0;
-        let (patches, shared) = (self.run.scene.patch_numbers().end(), self.run.is_parallel());
+        let (patches, shared) = (self.run.scene.seams().patches(), self.run.is_parallel());
         self.stats.patch_blocks += self.scratch.buffers.draw_surfaces(&batch, patches, listed, shared);
         self.count_useful(&batch);
         self.drew_batch(&batch);
@@ -104,7 +104,7 @@ impl<'a> Drawing<'a> {
         // Groups come before their parts.
         while number.index() < surface.patch_count() {
             let scratch = &mut *self.scratch;
-            let in_scene = source.first.of(number);
+            let in_scene = source.place.base.of(number);
             let role = if !self.run.coherent {
                 Role::Fresh
             } else if scratch.drawn.get(in_scene) == scratch.useful.epoch() {
