@@ -242,15 +242,24 @@ fn a_sheet_beside_a_view_cell_hides_if_its_rim_is_far() {
 fn walls_that_share_an_edge_hide_what_is_behind_it() {
     // The edge is nearer than the far ends of the walls, or farther away.
     for edge in [12.0, 20.0] {
-        let mut room = Room::new();
-        let [a, b, c] = [(4.0, 16.0), (16.0, edge), (28.0, 16.0)];
-        let column = |(x, z): (f32, f32)| [Vec3::new(x, 2.0, z), Vec3::new(x, 30.0, z)];
-        room.wall([a, b, c].map(column).concat(), vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]]);
-        let behind = [14.5, 16.0, 17.5].map(|x| room.ball(Vec3::new(x, 16.0, 26.0)));
-        assert_eq!(behind.map(|id| room.sees(id, 0.4)), [false; 3], "{edge}");
-        // An eye that goes by one unit sees it past the outer rim.
-        let beside = room.ball(Vec3::new(29.65, 16.0, 17.5));
-        assert!(room.sees(beside, 1.0), "{edge}");
+        for objects in [1, 2] {
+            let mut room = Room::new();
+            let [a, b, c] = [(4.0, 16.0), (16.0, edge), (28.0, 16.0)];
+            let column = |(x, z): (f32, f32)| [Vec3::new(x, 2.0, z), Vec3::new(x, 30.0, z)];
+            if objects == 1 {
+                let all = [a, b, c].map(column).concat();
+                room.wall(all, vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]]);
+            } else {
+                for pair in [[a, b], [b, c]] {
+                    room.wall(pair.map(column).concat(), vec![[0, 2, 3], [0, 3, 1]]);
+                }
+            }
+            let behind = [14.5, 16.0, 17.5].map(|x| room.ball(Vec3::new(x, 16.0, 26.0)));
+            assert_eq!(behind.map(|id| room.sees(id, 0.4)), [false; 3], "{edge} {objects}");
+            // An eye that goes by one unit sees it past the outer rim.
+            let beside = room.ball(Vec3::new(29.65, 16.0, 17.5));
+            assert!(room.sees(beside, 1.0), "{edge} {objects}");
+        }
     }
 }
 
@@ -278,6 +287,32 @@ fn a_narrow_strip_along_a_rim_moves_the_rim_by_its_width_only() {
         assert!(room.sees(seen, 0.5) && past.iter().all(|&id| room.sees(id, 0.5)), "{bend}");
         assert!(!room.sees(hidden, 0.5), "{bend}");
     }
+}
+
+#[test]
+fn panels_of_many_objects_hide_as_one_wall() {
+    let options = PointOptions::default().pixel_degrees(1.0).min_pixels(0);
+    let count = |gap: f32, reach: f32, instances: bool| {
+        let mut room = Room { query: query_by(Method::Point(options)), ..Room::new() };
+        for i in 0..196u8 {
+            let (x, y) = (2.0 + 2.0 * f32::from(i % 14), 2.0 + 2.0 * f32::from(i / 14));
+            let mesh = crate::walls::panel(x, y, 16.0, 2.0, 0.5 * gap);
+            if instances {
+                room.scene.solid(Instance::new(mesh, Affine3A::IDENTITY).unwrap());
+            } else {
+                room.scene.solid(mesh);
+            }
+        }
+        let row: Vec<ObjectId> =
+            (0..40u8).map(|i| room.ball(Vec3::new(12.0 + 0.2 * f32::from(i), 15.1, 20.0))).collect();
+        let view = around(EYE).with_reach(reach).unwrap();
+        let pvs = room.query.run(&room.scene, &view);
+        row.iter().filter(|&&id| pvs.contains(id)).count()
+    };
+    for reach in [0.0, 0.01, 0.3, 1.0] {
+        assert_eq!(count(0.0, reach, false), 0, "{reach}");
+    }
+    assert!(count(0.05, 0.3, false) > 10 && count(0.05, 0.3, true) > 10);
 }
 
 #[test]

@@ -240,7 +240,7 @@ fn refuses_what_follows_the_last_section() {
 
 #[test]
 fn other_versions_are_refused() {
-    for found in [0, 1, 2, 3, 4, 6, u32::MAX] {
+    for found in [0, 1, 2, 3, 5, u32::MAX] {
         let mut other = bytes(&corner());
         other[8..12].copy_from_slice(&found.to_le_bytes());
         mend(&mut other);
