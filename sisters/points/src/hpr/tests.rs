@@ -2,7 +2,8 @@
 //! kinds of errors are counted.
 
 use super::*;
-use crate::samples::{cases, coordinate, sphere};
+use crate::samples::sphere;
+use casca_truth::{cases, places::coordinates};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -75,7 +76,7 @@ fn anywhere() -> impl Strategy<Value = DVec3> {
 }
 
 fn in_planes() -> impl Strategy<Value = DVec3> {
-    prop::array::uniform3(coordinate(1.0).prop_map(f64::from)).prop_map(DVec3::from)
+    prop::array::uniform3(coordinates(-1.0..1.0, 1.0).prop_map(f64::from)).prop_map(DVec3::from)
 }
 
 proptest! {

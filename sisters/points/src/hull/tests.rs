@@ -3,7 +3,7 @@
 //! coordinates up to 2^30.
 
 use super::*;
-use crate::samples::cases;
+use casca_truth::cases;
 use proptest::prelude::*;
 
 type Point = [i128; 3];

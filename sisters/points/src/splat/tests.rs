@@ -1,7 +1,8 @@
 //! The operator beside squares that are drawn one by one, and beside analytic truth.
 
 use super::*;
-use crate::samples::{cases, coordinate, sphere};
+use crate::samples::sphere;
+use casca_truth::{cases, places::coordinates};
 use proptest::prelude::*;
 
 proptest! {
@@ -10,7 +11,7 @@ proptest! {
     #[test]
     fn a_depth_image_has_the_nearest_square_of_each_pixel(
         size in (1..40_u32, 1..40_u32),
-        squares in prop::collection::vec((coordinate(1.0), coordinate(1.0), 0..13_u32, 0..10_000_i32, 1..50_u8), 0..30),
+        squares in prop::collection::vec((coordinates(-1.0..1.0, 1.0), coordinates(-1.0..1.0, 1.0), 0..13_u32, 0..10_000_i32, 1..50_u8), 0..30),
     ) {
         let drawn = Squares::new(size);
         let mut image = vec![f32::INFINITY; (size.0 * size.1) as usize];
@@ -100,7 +101,7 @@ proptest! {
 
     #[test]
     fn answers_are_those_of_the_definition(
-        points in prop::collection::vec(prop::array::uniform4(coordinate(2.0)), 0..80),
+        points in prop::collection::vec(prop::array::uniform4(coordinates(-2.0..2.0, 2.0)), 0..80),
         size in (1..14_u32, 1..14_u32),
         fov_y in 0.3..2.0_f32,
         (filter, each, bias) in (0..3_usize, any::<bool>(), prop_oneof![

@@ -75,7 +75,7 @@ pub(super) struct Disc {
 /// A disc as it is kept.
 #[derive(Clone, Copy)]
 pub(super) struct Packed {
-    at: [f32; 3],
+    pub at: [f32; 3],
     normal: [i16; 2],
     /// The upper halves of the floats for the spacing and how rough it is, and flags in the place
     /// of their signs: the first for oriented, the second for solid, both for stray.
@@ -132,11 +132,6 @@ impl Packed {
         let most = f32::from(u8::MAX) / PARTS * length(self.lengths[0]) + ACROSS_CUBE * BOX;
         let across = (Vec3A::from(self.at) - ray.origin).cross(ray.direction);
         across.length_squared() <= most * most * ray.direction.length_squared()
-    }
-
-    #[inline]
-    pub(super) fn at(&self) -> Vec3A {
-        self.at.into()
     }
 
     #[inline]

@@ -87,7 +87,7 @@ impl Discs {
             }
             let level = PEER_LAYER * self.margins.layer * disc.spacing.max(self.margins.grain);
             let is_peer = |&j: &usize| {
-                let away = self.discs[j].at() - disc.at;
+                let away = Vec3A::from(self.discs[j].at) - disc.at;
                 j != i
                     && away.length() < PEER * disc.spacing
                     && away.dot(disc.normal).abs() < level

@@ -1,5 +1,6 @@
 use super::*;
-use crate::samples::{cases, sphere};
+use crate::samples::sphere;
+use casca_truth::cases;
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -273,22 +274,18 @@ fn noise_and_steps_hide_nothing_where_a_scan_is_dense() {
     // A wall at a distance of 8 from a scanner that moves points by 0.03 towards itself or away, and from one
     // that rounds ranges.
     for step in [0.0, 0.1] {
-        noise_hides_nothing(step);
+        let at = |i: usize| {
+            let (y, x) = (i as f32 * 2.399_963).sin_cos();
+            let far = 16.0 * (i as f32 / 6000.0).powi(2);
+            let noise = 0.06 * ((i as f32 * 0.618_034).fract() - 0.5);
+            let place = Vec3::new(x * far, y * far, 8.0);
+            let range = place.length() * (1.0 + noise / 8.0);
+            place.normalize() * if step > 0.0 { (range / step).round() * step } else { range }
+        };
+        let cloud = PointCloud { positions: (0..6000).map(at).collect(), ..Default::default() };
+        let found = visible(&cloud, DVec3::new(1.0, 0.0, 0.0)).unwrap().count_zeros();
+        assert!(found < 300, "{found} of 6000 hidden, steps of {step}");
     }
-}
-
-fn noise_hides_nothing(step: f32) {
-    let at = |i: usize| {
-        let (y, x) = (i as f32 * 2.399_963).sin_cos();
-        let far = 16.0 * (i as f32 / 6000.0).powi(2);
-        let noise = 0.06 * ((i as f32 * 0.618_034).fract() - 0.5);
-        let place = Vec3::new(x * far, y * far, 8.0);
-        let range = place.length() * (1.0 + noise / 8.0);
-        place.normalize() * if step > 0.0 { (range / step).round() * step } else { range }
-    };
-    let cloud = PointCloud { positions: (0..6000).map(at).collect(), ..Default::default() };
-    let found = visible(&cloud, DVec3::new(1.0, 0.0, 0.0)).unwrap().count_zeros();
-    assert!(found < 300, "{found} of 6000 hidden, steps of {step}");
 }
 
 #[test]
