@@ -12,7 +12,7 @@ use super::noise::Noise;
 use super::options::SceneOptions;
 use super::parts::{mesh, object, placed, prism};
 use crate::random::Dice;
-use crate::world::{Mesh, Object, World};
+use crate::world::{Mesh, World};
 
 const TREES: f32 = 1300.0;
 const FERNS: f32 = 900.0;
@@ -166,19 +166,6 @@ fn fern(dice: &mut Dice) -> Mesh {
     fern
 }
 
-fn small_things(dice: &mut Dice, places: &Places, count: usize, objects: &mut Vec<Object>) {
-    let (stone, crate_) = (
-        Arc::new(Mesh::ball(0)),
-        Arc::new(Mesh::cuboid(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5))),
-    );
-    for _ in 0..count {
-        let base = places.pick(dice, 2.0);
-        let (size, turn) = (dice.point(Vec3::splat(0.2), Vec3::splat(0.9)), dice.range(0.0, TAU));
-        let (name, model) = if dice.chance(0.5) { ("stone", &stone) } else { ("crate", &crate_) };
-        objects.push(object(name, placed(model, size, turn, base)));
-    }
-}
-
 pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 15);
     let ground = Ground::new(&mut dice);
@@ -193,7 +180,14 @@ pub(super) fn build(options: &SceneOptions) -> World {
             objects.push(object(name, placed(&models[i % MODELS], size, dice.range(0.0, TAU), base)));
         }
     }
-    small_things(&mut dice, &places, (SMALL * options.scale) as usize, &mut objects);
+    let cuboid = Mesh::cuboid(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5));
+    let (stone, crate_) = (Arc::new(Mesh::ball(0)), Arc::new(cuboid));
+    for _ in 0..(SMALL * options.scale) as usize {
+        let base = places.pick(&mut dice, 2.0);
+        let (size, turn) = (dice.point(Vec3::splat(0.2), Vec3::splat(0.9)), dice.range(0.0, TAU));
+        let (name, model) = if dice.chance(0.5) { ("stone", &stone) } else { ("crate", &crate_) };
+        objects.push(object(name, placed(model, size, turn, base)));
+    }
     let walk = Walk { far: 500.0, ..Walk::along(path, options) };
     walk.through("leaves", objects, [Vec3::ZERO, Vec3::new(SIZE, 56.0, SIZE)], 2.0)
 }

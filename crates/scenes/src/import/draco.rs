@@ -127,8 +127,7 @@ impl Document {
     }
 
     fn spend(&mut self, bytes: Option<usize>) -> Result<(), &'static str> {
-        let left = bytes.and_then(|bytes| self.left.checked_sub(bytes));
-        self.left = left.ok_or("it unpacks to too much")?;
+        self.left = bytes.and_then(|bytes| self.left.checked_sub(bytes)).ok_or("it unpacks to too much")?;
         Ok(())
     }
 

@@ -13,7 +13,7 @@ type Pose = (DVec3, DQuat, DVec3);
 
 /// Where a node is, as exactly as the text of its file says it: the crate `gltf` rounds it to
 /// single precision, which is three centimetres at 500 km.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     /// By a matrix.
     Matrix(DMat4),
@@ -121,10 +121,10 @@ impl Nodes {
 /// no scenes.
 pub fn nodes_of(document: &gltf::Document, places: &[Place]) -> Result<Nodes, Trouble> {
     let all: Vec<gltf::Node> = document.nodes().collect();
-    let mut is_child = vec![false; all.len()];
+    let mut parents = vec![None; all.len()];
     for node in &all {
         for child in node.children() {
-            if std::mem::replace(&mut is_child[child.index()], true) {
+            if parents[child.index()].replace(node.index()).is_some() {
                 return Err(Trouble::NotATree(child.index()));
             }
         }
@@ -132,10 +132,14 @@ pub fn nodes_of(document: &gltf::Document, places: &[Place]) -> Result<Nodes, Tr
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let roots: Vec<usize> = match &scene {
         Some(scene) => scene.nodes().map(|n| n.index()).collect(),
-        None => (0..all.len()).filter(|&i| !is_child[i]).collect(),
+        None => (0..all.len()).filter(|&i| parents[i].is_none()).collect(),
     };
-    if let Some(&child) = roots.iter().find(|&&i| is_child[i]) {
-        return Err(wrong(&all[child], "is a root of the scene, but has a parent"));
+    // UniGLTF writes parents that the scene lacks: only where they change nothing is it clear what is drawn.
+    let still = Place::Pose((DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE));
+    let is_held =
+        |&&i: &&usize| parents[i].is_some_and(|p: usize| parents[p].is_some() || places[p] != still);
+    if let Some(&child) = roots.iter().find(is_held) {
+        return Err(wrong(&all[child], "is a root of the scene, but has a parent that is placed"));
     }
     let mut nodes = Vec::new();
     let mut seen = vec![false; all.len()];

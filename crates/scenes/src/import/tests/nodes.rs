@@ -116,7 +116,11 @@ fn one_scene_is_shown() {
     assert_eq!(shown("").unwrap(), "abc");
     let refused = |scenes: &str| shown(scenes).expect_err("must be refused");
     assert!(matches!(refused(&format!(r#"{scenes},"scene":2"#)), Trouble::Format(_)));
-    assert!(refused(r#","scenes":[{"nodes":[2]}]"#).to_string().contains("node 2 (\"b\") is a root"));
+    // The scene lacks a parent that moves nothing.
+    assert_eq!(shown(r#","scenes":[{"nodes":[2]}]"#).unwrap(), "b");
+    let placed = rest.replace(r#"{"children":[2]}"#, r#"{"children":[2],"translation":[0,0,1]}"#);
+    says(triangle().read(&format!(r#"{placed},"scenes":[{{"nodes":[2]}}]"#)), &["node 2 (\"b\") is a root"]);
+    assert!(matches!(refused(r#","scenes":[{"nodes":[1,2]}]"#), Trouble::NotATree(2)));
     assert!(matches!(refused(r#","scenes":[{"nodes":[0,0]}]"#), Trouble::NotATree(0)));
     // Nodes that hold each other hang from no root.
     let ring = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0},{"children":[2]},{"children":[1]}"#);
