@@ -51,8 +51,6 @@ impl Style {
 
 /// `Method::Point`.
 pub const POINT: Style = Style::new(RGBColor(0, 114, 178), Marker::Disc);
-/// `Method::Point` at settings that nobody chose.
-pub const AUTOMATIC: Style = Style::new(POINT.color, Marker::Star);
 /// `Method::Cell`.
 pub const CELL: Style = Style::new(RGBColor(230, 159, 0), Marker::Square);
 /// `Method::Frustum`: nothing but the view is culled to.

@@ -116,8 +116,7 @@ fn one_scene_is_shown() {
     assert_eq!(shown("").unwrap(), "abc");
     let refused = |scenes: &str| shown(scenes).expect_err("must be refused");
     assert!(matches!(refused(&format!(r#"{scenes},"scene":2"#)), Trouble::Format(_)));
-    // The scene lacks a parent that moves nothing.
-    assert_eq!(shown(r#","scenes":[{"nodes":[2]}]"#).unwrap(), "b");
+    assert_eq!(shown(r#","scenes":[{"nodes":[2]}]"#).unwrap(), "b", "its parent moves nothing");
     let placed = rest.replace(r#"{"children":[2]}"#, r#"{"children":[2],"translation":[0,0,1]}"#);
     says(triangle().read(&format!(r#"{placed},"scenes":[{{"nodes":[2]}}]"#)), &["node 2 (\"b\") is a root"]);
     assert!(matches!(refused(r#","scenes":[{"nodes":[1,2]}]"#), Trouble::NotATree(2)));
