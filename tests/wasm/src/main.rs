@@ -33,7 +33,6 @@ fn ball(z: f32) -> Sphere {
 impl Level {
     /// `of_triangles` makes the wall a closed mesh.
     fn new(of_triangles: bool) -> Result<Self, Error> {
-        let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
         let mut scene = Scene::new(1.0)?;
         let wall = Aabb::new(Vec3::new(0.0, 0.0, 30.0), Vec3::new(64.0, 16.0, 33.0));
         let wall = if of_triangles {
