@@ -6,6 +6,12 @@ use crate::occlusion::tiles::TILE;
 /// Tiles along each side of a bin.
 pub(crate) const BIN: i64 = 2;
 
+/// Tiles along each side of a large bin.
+const LARGE_BIN: i64 = 16;
+
+/// What reaches into more bins than this is listed in large ones.
+const MANY: i64 = 32;
+
 /// Items of a list that lie side by side.
 const CHUNK: usize = 4;
 
@@ -19,6 +25,8 @@ pub(crate) struct Bins<T> {
     chunks: Vec<([T; CHUNK], u32)>,
     /// The chunks in use come first.
     used: usize,
+    /// Tiles along each side of a bin.
+    side: i64,
     /// First tile of the window.
     first: (i64, i64),
     /// Bins in a row.
@@ -36,15 +44,19 @@ struct List {
 impl<T: Copy> Bins<T> {
     /// No lists, until the first [`Bins::clear`].
     pub(crate) fn new() -> Self {
-        Self { lists: Vec::new(), chunks: Vec::new(), used: 0, first: (0, 0), across: 0 }
+        Self::with_side(BIN)
+    }
+
+    fn with_side(side: i64) -> Self {
+        Self { lists: Vec::new(), chunks: Vec::new(), used: 0, side, first: (0, 0), across: 0 }
     }
 
     /// Empties all lists, for another window. Keeps their memory.
     pub(crate) fn clear(&mut self, window: &Window) {
         let (nx, ny) = window.tile_count();
         self.first = window.first_tile();
-        self.across = (nx - 1) / BIN + 1;
-        let count = (self.across * ((ny - 1) / BIN + 1)) as usize;
+        self.across = (nx - 1) / self.side + 1;
+        let count = (self.across * ((ny - 1) / self.side + 1)) as usize;
         self.lists.clear();
         self.lists.resize(count, List::default());
         self.used = 0;
@@ -53,7 +65,7 @@ impl<T: Copy> Bins<T> {
     /// The number of the list for a pixel of the window.
     #[inline]
     pub(crate) fn index(&self, x: i64, y: i64) -> usize {
-        let (bx, by) = ((x / TILE - self.first.0) / BIN, (y / TILE - self.first.1) / BIN);
+        let (bx, by) = ((x / TILE - self.first.0) / self.side, (y / TILE - self.first.1) / self.side);
         (by * self.across + bx) as usize
     }
 
@@ -83,7 +95,7 @@ impl<T: Copy> Bins<T> {
     #[inline]
     fn range(&self, pixels: &PixelRect) -> ((i64, i64), (i64, i64)) {
         let (x, y) = (pixels.tiles_x(), pixels.tiles_y());
-        let bin = |tile: i64, first: i64| (tile - first) / BIN;
+        let bin = |tile: i64, first: i64| (tile - first) / self.side;
         ((bin(x.0, self.first.0), bin(x.1, self.first.0)), (bin(y.0, self.first.1), bin(y.1, self.first.1)))
     }
 
@@ -137,6 +149,48 @@ impl<T: Copy> Bins<T> {
     }
 }
 
+/// Lists of items that may reach far: those that do are listed in larger squares.
+#[derive(Debug, Clone)]
+pub(crate) struct WideBins<T> {
+    near: Bins<T>,
+    far: Bins<T>,
+}
+
+impl<T: Copy> WideBins<T> {
+    /// No lists, until the first [`WideBins::clear`].
+    pub(crate) fn new() -> Self {
+        Self { near: Bins::new(), far: Bins::with_side(LARGE_BIN) }
+    }
+
+    /// As [`Bins::clear`].
+    pub(crate) fn clear(&mut self, window: &Window) {
+        self.near.clear(window);
+        self.far.clear(window);
+    }
+
+    /// As [`Bins::push`].
+    #[inline]
+    pub(crate) fn push(&mut self, pixels: &PixelRect, item: T) {
+        let ((x0, x1), (y0, y1)) = self.near.range(pixels);
+        let bins = if (x1 - x0 + 1) * (y1 - y0 + 1) > MANY { &mut self.far } else { &mut self.near };
+        bins.push(pixels, item);
+    }
+
+    /// Whether any item that may reach to a pixel of the window, or some beside it, passes a test.
+    #[inline]
+    pub(crate) fn any_around(&self, x: i64, y: i64, mut test: impl FnMut(&T) -> bool) -> bool {
+        let Self { near, far } = self;
+        !near.all(near.index(x, y), |item| !test(item)) || !far.all(far.index(x, y), |item| !test(item))
+    }
+
+    /// As [`Bins::for_around`].
+    #[inline]
+    pub(crate) fn for_around(&self, pixels: &PixelRect, mut found: impl FnMut(&T)) {
+        self.near.for_around(pixels, &mut found);
+        self.far.for_around(pixels, found);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,5 +228,26 @@ mod tests {
         assert!(list(&bins, 0, 0).into_iter().eq(9..20), "lists of several chunks");
         bins.clear(&window);
         assert!(all(&bins).is_empty());
+    }
+
+    #[test]
+    fn items_that_reach_far_are_listed_a_few_times() {
+        let window = Window::around(&Rect::FACE, 400);
+        let mut bins: WideBins<u32> = WideBins::new();
+        bins.clear(&window);
+        bins.push(&PixelRect { x: (31, 33), y: (0, 1) }, 7);
+        bins.push(&PixelRect { x: (20, 320), y: (40, 300) }, 8);
+        let at = |x: i64, y: i64| {
+            let mut items = Vec::new();
+            bins.any_around(x, y, |&item| {
+                items.push(item);
+                false
+            });
+            items
+        };
+        assert_eq!((at(31, 0), at(200, 200), at(399, 0)), (vec![7, 8], vec![8], vec![]));
+        let mut all = Vec::new();
+        bins.for_around(window.pixels(), |&item| all.push(item));
+        assert!(all.iter().filter(|&&item| item == 8).count() == 9 && all.contains(&7), "{all:?}");
     }
 }

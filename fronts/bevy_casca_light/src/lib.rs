@@ -34,7 +34,7 @@ impl Plugin for CascaLightPlugin {
                 bevy_log::error!("lit levels are loaded without their light: files are being loaded already")
             }
         }
-        // What is new has its place before it is drawn, and what is read has its own of this frame.
+        // Probes are spawned before transforms are propagated, and baking reads those of this frame.
         app.add_systems(PostUpdate, follow::finish.before(TransformSystems::Propagate));
         let systems = (follow::bake, follow::dim, follow::follow).chain();
         app.add_systems(PostUpdate, systems.after(TransformSystems::Propagate));

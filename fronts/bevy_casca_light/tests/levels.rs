@@ -1,4 +1,4 @@
-//! Levels in worlds without a renderer: what is loaded, lit and followed.
+//! Levels are loaded and lit, and probes follow doors, without a renderer.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use casca_scenes::random::Dice;
 
-    /// Sines near 0 are roots of what is left of 1, where rounding grows.
+    /// A sine is the root of 1 less a square: near 0 that loses digits.
     const SINE: f64 = 1e-4;
 
     #[test]

@@ -91,7 +91,7 @@ impl Following {
         Ok(Self { scene, cache, probes, rays: (settings.rays, settings.rays.div_ceil(FARTHER)) })
     }
 
-    /// Lights the probes, and what more questions need; returns what is solid.
+    /// Finds the light of the probes and of more questions; returns the backs of solids.
     fn light(&mut self, questions: &[(Vec3, Vec3)], progress: &mut Progress) -> Result<Backs, BakeError> {
         let cubes = self.probes.questions();
         let all = questions.len() + cubes.len();

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::numeric::occlusion::above;
-use crate::occlusion::bins::Bins;
+use crate::occlusion::bins::{Bins, WideBins};
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::front::Front;
@@ -72,7 +72,7 @@ pub(crate) struct FaceBuffer {
     halves: SmallVec<[Linear; 8]>,
     coverage: Coverage,
     occluders: Bins<Listed>,
-    patches: Bins<ListedPatch>,
+    patches: WideBins<ListedPatch>,
     /// Those of this query come first; the others keep their memory.
     drawn: Vec<DrawnSolid>,
     drawn_count: usize,
@@ -90,7 +90,7 @@ impl FaceBuffer {
             halves: SmallVec::new(),
             coverage: Coverage::default(),
             occluders: Bins::new(),
-            patches: Bins::new(),
+            patches: WideBins::new(),
             drawn: Vec::new(),
             drawn_count: 0,
             rows: ShapeRows::default(),
@@ -163,11 +163,11 @@ impl FaceBuffer {
     }
 
     /// The patches drawn, by place.
-    pub(crate) fn patches(&self) -> &Bins<ListedPatch> {
+    pub(crate) fn patches(&self) -> &WideBins<ListedPatch> {
         &self.patches
     }
 
-    pub(crate) fn patches_mut(&mut self) -> &mut Bins<ListedPatch> {
+    pub(crate) fn patches_mut(&mut self) -> &mut WideBins<ListedPatch> {
         &mut self.patches
     }
 

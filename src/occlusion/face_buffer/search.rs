@@ -4,10 +4,11 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::numeric::occlusion::below;
+use crate::occlusion::bins::BIN;
 use crate::occlusion::coverage::Shades;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::FaceBuffer;
-use crate::occlusion::pixels::Window;
+use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, Tile, bits, block};
 
@@ -59,14 +60,16 @@ impl FaceBuffer {
     /// Whether a patch of triangles may hide a point at a nearness in a pixel.
     pub(crate) fn patch_may_hide(&self, (x, y): (i64, i64), near: f32) -> bool {
         let holds = |(lo, hi): (i64, i64), at: i64| lo <= at && at < hi;
-        !self.patches.all(self.patches.index(x, y), |p| {
-            p.near <= near || !holds(p.pixels.x, x) || !holds(p.pixels.y, y)
-        })
+        self.patches.any_around(x, y, |p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
     }
 
     /// Whether patches may reach into the bin of a pixel, that of the lists of occluders.
     pub(crate) fn has_patches(&self, (x, y): (i64, i64)) -> bool {
-        self.patches.len(self.patches.index(x, y)) > 0
+        let ((tx, ty), size) = (self.window.first_tile(), BIN * TILE);
+        let first = |at: i64, tile: i64| (at - tile * TILE) / size * size + tile * TILE;
+        let (x0, y0) = (first(x, tx), first(y, ty));
+        let bin = PixelRect { x: (x0, x0 + size), y: (y0, y0 + size) };
+        self.patches.any_around(x, y, |p| p.pixels.overlaps(&bin))
     }
 
     /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex

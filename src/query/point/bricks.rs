@@ -219,7 +219,8 @@ fn visit(
     }
 }
 
-/// Tests and draws the objects found in bricks, and those of the volumes in them, which are tested after all objects as near are drawn.
+/// Tests and draws the objects found in bricks, then those of the volumes in them: these are tested
+/// after all objects as near are drawn.
 fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>) {
     let scene = finder.drawing.run.scene;
     finder.settle();

@@ -98,7 +98,7 @@ impl Document {
         accessor.is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none())
     }
 
-    /// Has the accessors of a primitive read what a buffer view packs.
+    /// Points the accessors of a primitive to what was unpacked from a buffer view.
     fn unpack(
         &mut self,
         primitive: &mut Primitive,

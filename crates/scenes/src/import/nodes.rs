@@ -134,7 +134,7 @@ pub fn nodes_of(document: &gltf::Document, places: &[Place]) -> Result<Nodes, Tr
         Some(scene) => scene.nodes().map(|n| n.index()).collect(),
         None => (0..all.len()).filter(|&i| parents[i].is_none()).collect(),
     };
-    // UniGLTF writes parents that the scene lacks: only where they change nothing is it clear what is drawn.
+    // UniGLTF leaves parents of roots out of the scene. Programs agree on them only if they move nothing.
     let still = Place::Pose((DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE));
     let is_held =
         |&&i: &&usize| parents[i].is_some_and(|p: usize| parents[p].is_some() || places[p] != still);

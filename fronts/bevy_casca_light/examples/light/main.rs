@@ -96,7 +96,7 @@ fn main() -> Any<()> {
     wait(&mut lit, "the level", |world| count::<LitLevel>(world) > 0)?;
     let pictures = pictures(&mut lit, true)?;
     beside(&level, &found.probes)?;
-    // The ball is in the scene for the path tracer, and hides what is behind it.
+    // From here on rays meet the ball.
     add_ball(&mut level.scene, BALL, 1.0);
     let mut traced: Option<Vec<u8>> = None;
     for (i, (picture, (eye, gain))) in pictures.iter().zip(EYES).enumerate() {
