@@ -83,6 +83,45 @@ fn an_eye_before_a_large_solid_finds_nothing_in_it() {
 }
 
 #[test]
+fn the_last_of_many_solids_ends_a_walk() {
+    let mut scene = empty();
+    // A wall before the eye, at the border of the grid, hides the others.
+    let wall = scene.solid(Aabb::new(Vec3::new(20.0, 0.0, 0.0), Vec3::new(40.0, SIZE, SIZE)));
+    let near = ball(&mut scene, Vec3::new(3.0, 500.0, 520.0));
+    for i in 0..27u32 {
+        let at = UVec3::new(i % 3, i / 3 % 3, i / 9).as_vec3() * 320.0 + 60.0;
+        scene.solid(Aabb::new(at, at + 150.0));
+        ball(&mut scene, at + 200.0);
+    }
+    for eye in [Vec3::new(0.5, 500.5, 500.5), Vec3::new(-4.5, 500.5, 500.5)] {
+        let mut query = cell();
+        let stats = work(&mut query, &scene, eye);
+        assert!(query.pvs().len() == 2 && query.pvs().contains(wall) && query.pvs().contains(near));
+        assert!(stats.cells_visited < 6_000_000, "{eye}: {stats:?}");
+    }
+    // A ball along the wall is seen, and the hidden part of each shell is passed over.
+    let far = ball(&mut scene, Vec3::new(3.0, 500.0, SIZE - 4.0));
+    let mut query = cell();
+    let stats = work(&mut query, &scene, Vec3::new(0.5, 500.5, 500.5));
+    assert!(query.pvs().len() == 3 && query.pvs().contains(far));
+    assert!(stats.cells_visited < 40_000_000, "{stats:?}");
+}
+
+#[test]
+fn empty_grids_are_answered_at_once() {
+    let mut scene = empty();
+    let mut query = cell();
+    for eye in [Vec3::splat(512.5), Vec3::splat(-20.0), Vec3::new(0.5, 3.5, 1023.5)] {
+        let stats = work(&mut query, &scene, eye);
+        assert!(stats.cells_visited <= 1 && stats.shells == 0, "{eye}: {stats:?}");
+    }
+    // After its only object, a walk ends.
+    ball(&mut scene, Vec3::splat(700.0));
+    let stats = work(&mut query, &scene, Vec3::splat(690.5));
+    assert!(query.pvs().len() == 1 && stats.shells < 12 && stats.cells_visited < 20_000, "{stats:?}");
+}
+
+#[test]
 fn walks_go_on_to_the_border_where_overhanging_objects_are_seen() {
     let mut scene = empty();
     // It hides what the antenna has in the grid, not what it has above.

@@ -16,7 +16,7 @@
 
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::SideCells;
-use crate::query::cell::spans::{clear_span, for_runs, set_span};
+use crate::query::cell::spans::{clear_span, for_runs, next_clear, set_span};
 
 /// Bands with more rows of pixels than this are looked at row by row.
 const MOST_PIXELS: i64 = 8;
@@ -68,6 +68,30 @@ impl DirectionMask {
         }
         let (r, c) = (scale.pixel(row) as usize, scale.pixel(col) as usize);
         self.bits[r * self.words + c / 64] >> (c % 64) & 1 != 0
+    }
+
+    /// Whether a pixel is not set.
+    #[inline]
+    pub(super) fn is_open(&self, row: i64, col: i64) -> bool {
+        !self.used || self.bits[row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
+    }
+
+    /// The first pixel between two rows and two columns, all included, that is not set, and how
+    /// many words were read.
+    pub(super) fn first_open(&self, rows: (i64, i64), cols: (i64, i64)) -> (Option<(i64, i64)>, i64) {
+        if !self.used {
+            return (Some((rows.0, cols.0)), 0);
+        }
+        let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
+        let words = (end / 64 - from / 64) as i64 + 1;
+        for row in rows.0..=rows.1 {
+            let at = row as usize * self.words;
+            let col = next_clear(&self.bits[at..at + self.words], from, end);
+            if col < end {
+                return (Some((row, col as i64)), words * (row - rows.0 + 1));
+            }
+        }
+        (None, words * (rows.1 - rows.0 + 1))
     }
 
     /// The columns between which rows of the side have cells that are not hidden, as far as the

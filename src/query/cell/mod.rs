@@ -6,6 +6,7 @@ mod finder;
 pub(crate) mod lists;
 mod mask;
 mod matrices;
+mod remaining;
 mod shell_scale;
 mod side;
 mod side_cells;
@@ -26,6 +27,7 @@ use crate::query::cell::finder::Finder;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::mask::DirectionMask;
 use crate::query::cell::matrices::CellMatrices;
+use crate::query::cell::remaining::Remaining;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side::{CellCounts, Hit, Recorded, SidePass};
 use crate::query::cell::side_cells::SideCells;
@@ -72,6 +74,7 @@ pub(crate) struct CellWalk<'a> {
     /// What the walk came upon on the side that it is on.
     hits: &'a mut Vec<Hit>,
     finder: Finder<'a>,
+    remaining: Remaining,
     record: Recorded<'a>,
 }
 
@@ -96,8 +99,9 @@ impl CellWalk<'_> {
         marks.begin(scene.slot_count());
         pending.iter_mut().for_each(Vec::clear);
         let finder = Finder { scene, view, shells, pvs, marks, pending };
+        let remaining = Remaining::default();
         let slack = occlusion_slack(scene, view, &mut finder.pvs.stats).filter(|_| from_eye);
-        let mut walk = CellWalk { shells, matrices, sides, hits, finder, record };
+        let mut walk = CellWalk { shells, matrices, sides, hits, finder, remaining, record };
         if slack.is_some() {
             walk.finder.pvs.cell = Some(shells.cell);
             walk.walk_shells(slack, from_eye);
@@ -136,6 +140,10 @@ impl CellWalk<'_> {
             self.finder.first_cell(self.matrices.lists);
         }
         for m in self.shells.nearest.max(1)..=self.shells.farthest {
+            // All cells are recorded, also those without objects.
+            if self.record.is_none() && !self.remaining.search(m - 1, &self.finder, self.sides) {
+                break;
+            }
             let scale = ShellScale::new(m, self.sides[0].mask.log(), slack.unwrap_or(0.0));
             let (mut cells, mut in_sight) = (0, 0);
             for side in 0..6 {
@@ -166,6 +174,10 @@ impl CellWalk<'_> {
         let (v, record) = (self.shells.cell, self.record.is_some());
         let (axes, depth) = (side.axes, scale.shell() * side.sign);
         let mut counts = CellCounts::default();
+        if self.remaining.is_done(index) {
+            cells.clear();
+            return counts;
+        }
         let Some(frustum) = cells.begin(&side, depth, self.shells) else {
             return counts;
         };
@@ -204,6 +216,7 @@ impl CellWalk<'_> {
             if !self.shells.frustum.meets(side.cell(depth, first, c0), side.cell(depth, last, c1)) {
                 continue;
             }
+            self.remaining.add_rows(i64::from(last - first + 1));
             let open = pass.open_rows((first, last), part, band, &mut counts, &mut self.record);
             let Some(open) = open else { continue };
             let fresh = pass.block_tiles(matrices, first, open, band, self.hits);

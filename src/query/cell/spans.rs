@@ -1,6 +1,11 @@
 //! Runs of bits in slices of words.
 
-/// The first bit in `from..end` that is set once it is flipped, or `end`.
+/// The first clear bit in `from..end`, or `end`.
+#[inline]
+pub(super) fn next_clear(bits: &[u64], from: usize, end: usize) -> usize {
+    scan(bits, from, end, u64::MAX)
+}
+
 #[inline]
 fn scan(bits: &[u64], from: usize, end: usize, flip: u64) -> usize {
     if from >= end {
@@ -74,5 +79,7 @@ mod tests {
         for_runs(&bits, true, 0, 256, |from, to| runs.push((from, to)));
         for_runs(&bits, false, 2, 150, |from, to| runs.push((from, to)));
         assert_eq!(runs, [(3, 60), (130, 200), (2, 3), (60, 130)]);
+        assert_eq!(next_clear(&bits, 3, 256), 60);
+        assert_eq!(next_clear(&bits, 130, 150), 150);
     }
 }
