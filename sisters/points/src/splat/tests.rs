@@ -5,6 +5,35 @@ use crate::samples::sphere;
 use casca_truth::{cases, places::coordinates};
 use proptest::prelude::*;
 
+proptest! {
+    #![proptest_config(cases(300))]
+
+    #[test]
+    fn a_depth_image_has_the_nearest_square_of_each_pixel(
+        size in (1..40_u32, 1..40_u32),
+        squares in prop::collection::vec((coordinates(-1.0..1.0, 1.0), coordinates(-1.0..1.0, 1.0), 0..13_u32, 0..10_000_i32, 1..50_u8), 0..30),
+    ) {
+        let drawn = Squares::new(size);
+        let mut image = vec![f32::INFINITY; (size.0 * size.1) as usize];
+        for (x, y, magnitude, half, depth) in squares {
+            let side = |at: f32, size: u32| ((f64::from(at) + 1.0) * f64::from(size * 128)) as i32;
+            let (x, y) = (side(x, size.0), side(y, size.1));
+            let half = half >> magnitude;
+            drawn.draw(&[x], &[y], &[half], &[f32::from(depth)]);
+            let covers = |pixel: u32, at: i32| {
+                let (low, high) = (pixel as i32 * 256, pixel as i32 * 256 + 255);
+                low <= at + half && high >= at - half
+            };
+            for (i, pixel) in (0..).zip(&mut image) {
+                if covers(i % size.0, x) && covers(i / size.0, y) {
+                    *pixel = pixel.min(f32::from(depth));
+                }
+            }
+        }
+        prop_assert_eq!(drawn.into_image().depths, image);
+    }
+}
+
 /// How far each point is before its limit of depth, by the definition; negative if hidden.
 fn rooms(points: &[Vec3], camera: &Camera, options: &SplatOptions) -> Vec<f64> {
     let round = |x: f32| (f64::from(x) * 256.0).round_ties_even();
