@@ -1,7 +1,7 @@
 //! A device, and what tests draw with it.
 
 use casca_radiosity::gpu::{Answers, Gloss, GpuCache, Mirrors, Shading, Surfaces};
-use casca_radiosity::{Material, Scene};
+use casca_radiosity::{Light, Material, Scene};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{self, TextureUsages};
 use glam::Vec3;
@@ -89,6 +89,21 @@ pub fn mirrored(gpu: &Gpu, light: &GpuCache, points: &[Mirroring], eye: Vec3, ra
         let gloss = Gloss { roughness, eye, rays };
         light.mirror(&gpu.device, encoder, &mirrors, Surfaces { place, normals }, gloss, view).unwrap();
     })
+}
+
+/// A long hall with a screen in its middle that has a hole: walls, the screen and the wall at the
+/// far end have a material each.
+pub fn hall(materials: Vec<Material>, lights: Vec<Light>) -> Scene {
+    let mut all = room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
+    all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 1));
+    all.iter_mut().filter(|t| t.corners.iter().all(|p| p.x == 40.0)).for_each(|t| t.material = 2);
+    scene(all, materials, lights, 0.0)
+}
+
+/// Points of the wall at its near end.
+pub fn in_hall() -> Vec<(Vec3, Vec3)> {
+    let at = |i: usize| Vec3::new(0.0, 0.05 * i as f32 + 0.02, (0.618 * i as f32).fract() * 4.0);
+    (0..80).map(|i| (at(i), Vec3::X)).collect()
 }
 
 /// A coloured room with a box and a screen full of holes in it, under a sky that a hole in the ceiling lets in.

@@ -6,7 +6,7 @@ use casca_stage::gpu::Gpu;
 use glam::{Affine3A, Vec3};
 
 use crate::common::{floor, gathered, lamp, leak_questions, lit, matt, placed, rooms, scene, sheet, turned};
-use crate::device::{Mirroring, furnished, mirrored, points, texture_of};
+use crate::device::{Mirroring, furnished, hall, in_hall, mirrored, points, texture_of};
 
 /// Light that differs by more, as a share of the mean or of its own, is that of another wall or of
 /// other states.
@@ -87,6 +87,29 @@ fn mirrors_show_walls_as_on_the_processor() {
         assert!(all.len() > 300, "{}", all.len());
         assert!(middle < 1e-4 && far < all.len() / 50 && worst < 1e-2, "{middle} {far}");
     }
+}
+
+#[test]
+fn mirrored_rays_cross_empty_bricks_and_end_at_the_nearest_wall() {
+    let Some(gpu) = Gpu::for_tests() else { return };
+    // Each wall glows alike.
+    let glow = |r, g, b| Material::new(Vec3::splat(0.3), Vec3::new(r, g, b));
+    let materials = vec![glow(0.1, 0.0, 0.0), glow(0.0, 0.5, 0.0), glow(0.0, 0.0, 2.0)];
+    let scene = hall(materials, vec![]);
+    let cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, 200))).unwrap();
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let points: Vec<Mirroring> = in_hall().into_iter().map(|(p, n)| (p, n, 0.0)).collect();
+    let mut met = [0; 3];
+    for eye in [Vec3::new(30.0, 2.1, 2.4), Vec3::new(3.0, 1.0, 2.9)] {
+        for ((p, n, _), found) in points.iter().zip(mirrored(&gpu, &device, &points, eye, 1)) {
+            // Nothing is gathered: there is emission only, and the device says so.
+            let known = cache.reflection(*p, *n, eye, 0.0, 1).unwrap();
+            assert_eq!(found, known.extend(0.5).to_array(), "{p}");
+            let which = (0..3).find(|c| known[*c] > 0.0).unwrap();
+            met[which] += 1;
+        }
+    }
+    assert!(met.iter().all(|m| *m > 5), "{met:?}");
 }
 
 #[test]
