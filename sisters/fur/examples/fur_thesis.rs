@@ -4,10 +4,14 @@
 use std::collections::HashSet;
 use std::error::Error;
 
-use casca_fur::mesh::{Vertex, continuous_normals, weld};
+use casca_fur::mesh::{self, Vertex, continuous_normals, weld};
 use casca_scenes::random::generator;
 use glam::Vec3;
 use rand::seq::SliceRandom;
+
+#[path = "../src/samples.rs"]
+#[expect(dead_code, reason = "tests have more meshes")]
+mod samples;
 
 const SIDE: i32 = 256;
 /// Two unit vectors whose sum is shorter than this are opposite, but for rounding: the sum has no
@@ -51,22 +55,6 @@ fn cube_place(direction: Vec3) -> (usize, [f32; 2]) {
     (2 * axis + usize::from(is_back), [(u + 1.0) * 0.5, (v + 1.0) * 0.5])
 }
 
-/// A torus around the y axis, of flat triangles.
-fn torus(large: f32, small: f32, n: usize, m: usize) -> Vec<Vertex> {
-    let at = |i: usize, j: usize| {
-        let angle = |i: usize, n: usize| (i % n) as f32 / n as f32 * std::f32::consts::TAU;
-        let ((sa, ca), (sb, cb)) = (angle(i, n).sin_cos(), angle(j, m).sin_cos());
-        Vec3::new((large + small * cb) * ca, small * sb, (large + small * cb) * sa)
-    };
-    let quad = |k: usize| {
-        let (i, j) = (k % n, k / n);
-        let q = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
-        let normal = (q[1] - q[0]).cross(q[2] - q[0]).normalize();
-        [0, 1, 2, 0, 2, 3].map(|i| Vertex { position: q[i], normal })
-    };
-    (0..n * m).flat_map(quad).collect()
-}
-
 /// The sum of the normals at a position that differ (algorithm 2), or of all.
 fn summed(soup: &[Vertex], position: Vec3, distinct: bool) -> Vec3 {
     let mut seen = HashSet::new();
@@ -84,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (hairs, _) = fur_map(0.2, &[]);
 
     // The thesis looks fur up in the direction normal + position: some places have none.
-    let soup = torus(3.0, 1.0, 24, 8);
+    let soup = samples::torus(3.0, 1.0, 24, 8);
     let mut smooth = soup.clone();
     continuous_normals(&mut smooth)?;
     let mesh = weld(&smooth, &[])?;

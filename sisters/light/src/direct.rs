@@ -41,11 +41,6 @@ pub(crate) struct Spot {
     pub(crate) key: u64,
 }
 
-/// Light as the eye weighs it (Rec. 709).
-fn luminance(c: Vec3) -> f64 {
-    c.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
-}
-
 impl Lamps {
     /// The emissive triangles; O(triangles).
     pub(crate) fn new(voxels: &Voxels, materials: &[Material]) -> Self {
@@ -55,7 +50,8 @@ impl Lamps {
             if material.emits() {
                 // Nothing shines in holes.
                 let radiance = material.emission * s.mean().1;
-                let bright = luminance(radiance);
+                // As the eye weighs it (Rec. 709).
+                let bright = radiance.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
                 power += bright * s.area;
                 all.push(Lamp { surface, radiance, bright, share: power });
             }

@@ -42,8 +42,12 @@ impl Cache {
     /// # Errors
     /// If a number is not finite, or a direction has no length; then nothing is asked for.
     pub fn request_radiances(&mut self, rays: &[(Vec3, Vec3)]) -> Result<Vec<Option<Seen>>, LightError> {
-        let open = rays.iter().map(|(point, direction)| self.open_ray(*point, *direction));
-        let open = open.collect::<Result<Vec<_>, _>>()?;
+        let open = |&(point, direction): &(Vec3, Vec3)| {
+            numbers("the point of question", 0, point, -f32::MAX..=f32::MAX)?;
+            way("the direction of question", 0, direction)?;
+            Ok((self.voxels.lattice.cells(point), direction.as_dvec3().normalize()))
+        };
+        let open = rays.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let ask = |&(from, direction): &(DVec3, DVec3)| {
             self.meets(from, direction).map(|met| (self.answering(&met.spot), self.seen_at(&met)))
         };
@@ -107,12 +111,6 @@ impl Cache {
         let found = points.par_iter().map(ask).collect::<Result<Vec<_>, LightError>>()?;
         found.iter().for_each(|targets| self.want_all(targets));
         Ok(())
-    }
-
-    fn open_ray(&self, point: Vec3, direction: Vec3) -> Result<(DVec3, DVec3), LightError> {
-        numbers("the point of question", 0, point, -f32::MAX..=f32::MAX)?;
-        way("the direction of question", 0, direction)?;
-        Ok((self.voxels.lattice.cells(point), direction.as_dvec3().normalize()))
     }
 
     /// Calls `visit` with rays of a lobe and their weights.

@@ -74,14 +74,6 @@ fn bounds_of(surfaces: &[Surface], objects: &[u32]) -> Vec<Bounds> {
     boxes.into_iter().flatten().collect()
 }
 
-/// Balls around boxes and all hits that count as near to them.
-fn balls_around(boxes: &[Bounds]) -> Vec<(DVec3, f64)> {
-    let of = |(low, high): &Bounds| {
-        (0.5 * (*low + *high), 0.5 * (*high - *low + 2.0 * (MOVED_HITS + MOVED)).length())
-    };
-    boxes.iter().map(of).collect()
-}
-
 /// Whether a point is nearer to a box than so many cells, of which so many are along an edge of one
 /// of the grid.
 fn is_near(boxes: &[Bounds], p: DVec3, cells: f64, fine: f64) -> bool {
@@ -175,12 +167,19 @@ impl Cache {
                 self.want(new, wish);
             }
         }
-        let balls = balls_around(&map.near);
+        // Balls around boxes and all hits that count as near to them.
+        let ball = |(low, high): &Bounds| {
+            (0.5 * (*low + *high), 0.5 * (*high - *low + 2.0 * (MOVED_HITS + MOVED)).length())
+        };
+        let balls: Vec<(DVec3, f64)> = map.near.iter().map(ball).collect();
         let of = |state: &u32| self.mended(*state, &map, change, &balls);
         let mended: Vec<_> = self.gathered.par_iter().map(of).collect();
         for (i, (rays, sent)) in mended.into_iter().enumerate() {
             moved.sent += sent;
-            self.take_rays(self.gathered[i], &rays);
+            let state = self.gathered[i];
+            self.rays[self.blocks[state as usize].range()].copy_from_slice(&rays);
+            rays.iter().filter(|r| r.target < DARK).for_each(|ray| self.want(ray.target, Wish::Hit));
+            self.sum_sky(state);
         }
         moved.rays = self.rays.len();
         // What new surfaces hide or show is read by rays; new surfaces themselves may be asked for.
@@ -275,15 +274,6 @@ impl Cache {
             }
         }
         (rays, sent)
-    }
-
-    /// Stores the rays of a gathered state, as many as it had.
-    fn take_rays(&mut self, state: u32, rays: &[Ray]) {
-        self.rays[self.blocks[state as usize].range()].copy_from_slice(rays);
-        for ray in rays.iter().filter(|r| r.target < DARK) {
-            self.want(ray.target, Wish::Hit);
-        }
-        self.sum_sky(state);
     }
 
     /// Which old state is which new one, and takes over the starts that stay.

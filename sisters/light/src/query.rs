@@ -44,15 +44,9 @@ impl Cache {
     /// # Errors
     /// If a number is not finite, or the normal has no length.
     pub fn request(&mut self, point: Vec3, normal: Vec3) -> Result<(), LightError> {
-        let spot = self.spot(point, normal)?;
-        self.want_at(&spot);
-        Ok(())
-    }
-
-    /// Asks for the states that answer at a spot.
-    pub(crate) fn want_at(&mut self, spot: &Spot) {
-        let targets = self.answering(spot);
+        let targets = self.answering(&self.spot(point, normal)?);
         self.want_all(&targets);
+        Ok(())
     }
 
     /// Asks for states, of which some may be [`SKY`] or [`DARK`].

@@ -44,9 +44,7 @@ impl Hemisphere {
         let (s, c) = (TAU * (f64::from(i) * GOLDEN + self.turn).fract()).sin_cos();
         (self.right * (c * sine) + self.up * (s * sine) + self.normal * cosine).normalize()
     }
-}
 
-impl Hemisphere {
     /// The directions that may meet a ball, of a middle as seen from the start: all others pass it.
     /// Directions turn away from the normal one after the other.
     pub(crate) fn towards(&self, middle: DVec3, radius: f64) -> Range<u32> {

@@ -71,13 +71,14 @@ impl Part {
     /// The part in a cell of a triangle, whose corners are in cells of that size.
     fn new(lattice: &Lattice, cell: Cell, whole: &Polygon, (number, surface): (u32, &Surface)) -> Self {
         let polygon = part_of(whole, cell.at);
-        let bin = bin_of(surface);
+        let axis = surface.normal.abs().max_position();
+        let bin = (2 * axis) as u8 + u8::from(surface.normal[axis] < 0.0) + 6 * u8::from(surface.emits);
         let area = 0.5 * cross(&polygon).length();
         let in_grid = || polygon.iter().map(|p| *p / lattice.fine(cell)).collect();
         let of = lattice.number(cell);
         let (albedo, solid) = if area > 0.0 { surface.over(in_grid, of.into()) } else { (Vec3::ZERO, 0.0) };
         let area = area * f64::from(solid);
-        let (low, high) = range(&polygon, usize::from(bin % 6 / 2));
+        let (low, high) = range(&polygon, axis);
         let middle = polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64;
         Self {
             cell: of,
@@ -109,12 +110,6 @@ pub(crate) struct Voxels {
     pub(crate) masks: Vec<u64>,
     /// By brick: occupied cells of the bricks before it.
     ranks: Vec<u32>,
-}
-
-/// The kind of entry that a surface belongs to.
-fn bin_of(surface: &Surface) -> u8 {
-    let axis = surface.normal.abs().max_position();
-    (2 * axis) as u8 + u8::from(surface.normal[axis] < 0.0) + 6 * u8::from(surface.emits)
 }
 
 impl Voxels {

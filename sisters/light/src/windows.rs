@@ -31,12 +31,6 @@ fn without((low, high): Bounds, (from, to): Bounds) -> Vec<Bounds> {
     parts
 }
 
-/// Where cells have another size than before.
-fn resized(before: &Lattice, now: &Lattice) -> Vec<Bounds> {
-    let pairs = before.levels().iter().zip(now.levels()).map(|(a, b)| (a.bounds(), b.bounds()));
-    pairs.flat_map(|(a, b)| [without(a, b), without(b, a)].concat()).collect()
-}
-
 /// Whether a point is near the middle of a level.
 fn is_resting(level: &Level, point: DVec3) -> bool {
     let (low, high) = level.bounds();
@@ -72,7 +66,10 @@ impl Cache {
         let surfaces = self.voxels.surfaces.clone();
         let voxels = Voxels::with(lattice, surfaces, self.voxels.tree.clone())?;
         self.settings = settings;
-        Ok(self.replace(voxels, &Change::Windows(resized(&old, &lattice))))
+        // Where cells have another size than before.
+        let pairs = old.levels().iter().zip(lattice.levels()).map(|(a, b)| (a.bounds(), b.bounds()));
+        let resized = pairs.flat_map(|(a, b)| [without(a, b), without(b, a)].concat()).collect();
+        Ok(self.replace(voxels, &Change::Windows(resized)))
     }
 
     fn unmoved(&self) -> Moved {

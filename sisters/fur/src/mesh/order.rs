@@ -36,7 +36,7 @@ impl Mesh {
             *slot
         };
         let triangles = corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(&mut renumber)).collect();
-        Self::from_checked(vertices, coats, triangles)
+        Self { vertices, coats, triangles }
     }
 }
 

@@ -43,9 +43,9 @@ impl Default for Coat {
 /// An indexed triangle mesh, checked: finite, not empty, and each index has its vertex.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    vertices: Vec<Vertex>,
-    coats: Vec<Coat>,
-    triangles: Vec<[u32; 3]>,
+    pub(super) vertices: Vec<Vertex>,
+    pub(super) coats: Vec<Coat>,
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
@@ -78,11 +78,6 @@ impl Mesh {
             v.normal = v.normal.as_dvec3().normalize_or_zero().as_vec3();
         }
         Ok(Self { vertices, coats, triangles })
-    }
-
-    /// A mesh of parts of one that was checked.
-    pub(super) fn from_checked(vertices: Vec<Vertex>, coats: Vec<Coat>, triangles: Vec<[u32; 3]>) -> Self {
-        Self { vertices, coats, triangles }
     }
 
     /// The vertices.
@@ -119,15 +114,6 @@ impl Mesh {
     pub fn area(&self) -> f64 {
         let at = |v: u32| self.vertices[v as usize].position.as_dvec3();
         self.triangles.iter().map(|t| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).length() * 0.5).sum()
-    }
-
-    /// The length of the edges of all triangles, in units; shared edges count twice.
-    pub(crate) fn edge_sum(&self) -> f64 {
-        let at = |v: u32| self.vertices[v as usize].position.as_dvec3();
-        self.triangles
-            .iter()
-            .map(|t| (0..3).map(|i| at(t[i]).distance(at(t[(i + 1) % 3]))).sum::<f64>())
-            .sum()
     }
 
     /// How many edges do not belong to exactly two triangles that run along them in opposite

@@ -63,7 +63,11 @@ impl Skeleton {
         range("the number of joints", joints.len() as f64, 1.0, MAX_JOINTS as f64)?;
         let mut globals: Vec<Affine3A> = Vec::with_capacity(joints.len());
         for (number, joint) in joints.iter_mut().enumerate() {
-            check_local(&joint.rest)?;
+            for value in [joint.rest.translation, joint.rest.scale].into_iter().flat_map(|v| v.to_array()) {
+                range("a translation or scale of a joint", value.into(), -MOST, MOST)?;
+            }
+            let (length, off) = (f64::from(joint.rest.rotation.length()), UNIT_QUATERNION);
+            range("the length of a rotation of a joint", length, 1.0 - off, 1.0 + off)?;
             joint.rest.rotation = joint.rest.rotation.normalize();
             let local = joint.rest.matrix();
             let global = match joint.parent {
@@ -89,14 +93,6 @@ impl Skeleton {
 }
 
 const MOST: f64 = MAX_COORDINATE as f64;
-
-fn check_local(local: &Local) -> Result<(), Error> {
-    for value in local.translation.to_array().into_iter().chain(local.scale.to_array()) {
-        range("a translation or scale of a joint", value.into(), -MOST, MOST)?;
-    }
-    let length = f64::from(local.rotation.length());
-    range("the length of a rotation of a joint", length, 1.0 - UNIT_QUATERNION, 1.0 + UNIT_QUATERNION)
-}
 
 #[cfg(test)]
 mod tests {

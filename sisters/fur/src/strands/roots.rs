@@ -71,7 +71,9 @@ pub fn roots(mesh: &Mesh, fur: &Fur) -> Result<Vec<Root>, Error> {
     if estimate > MAX_STRANDS as f64 {
         return Err(Error::TooMany { what: "strands", count: estimate, max: MAX_STRANDS });
     }
-    let lines = mesh.edge_sum() / f64::from(fur.spacing);
+    let at = |v: u32| mesh.vertices()[v as usize].position.as_dvec3();
+    let edges = |t: &[u32; 3]| (0..3).map(|i| at(t[i]).distance(at(t[(i + 1) % 3]))).sum::<f64>();
+    let lines = mesh.triangles().iter().map(edges).sum::<f64>() / f64::from(fur.spacing);
     if lines > MAX_EDGE_CELLS {
         return Err(Error::TooMany { what: "cells along edges", count: lines, max: MAX_EDGE_CELLS as usize });
     }

@@ -33,7 +33,9 @@ impl Light {
         let (direction, distance) = (position - from).normalize_and_length();
         irradiance /= distance * distance;
         if let Self::Spot { direction: axis, inner, outer, .. } = *self {
-            irradiance *= smoothstep(outer.cos(), inner.cos(), -axis.try_normalize()?.dot(direction));
+            let (low, high, cosine) = (outer.cos(), inner.cos(), -axis.try_normalize()?.dot(direction));
+            let t = ((cosine - low) / (high - low).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+            irradiance *= t * t * (3.0 - 2.0 * t);
         }
         let sin = (radius / distance).min(1.0);
         sound(direction, distance, (1.0 - sin * sin).max(0.0).sqrt(), irradiance)
@@ -47,10 +49,4 @@ fn sound(direction: Vec3, distance: f32, cos_half_angle: f32, irradiance: Vec3) 
         && irradiance.max_element() > 0.0
         && cos_half_angle.is_finite();
     usable.then_some(Incident { direction, distance, cos_half_angle, irradiance })
-}
-
-/// 0 up to `low`, 1 from `high`, smooth between.
-fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

@@ -77,18 +77,6 @@ impl FromStr for Kind {
     }
 }
 
-fn seen(kind: Kind, camera: Camera) -> LitScene {
-    LitScene {
-        name: kind.name().to_owned(),
-        objects: Vec::new(),
-        materials: Vec::new(),
-        textures: Vec::new(),
-        lights: Vec::new(),
-        sky: Vec3::ZERO,
-        camera,
-    }
-}
-
 /// Adds an object of one material.
 fn add(scene: &mut LitScene, mesh: Mesh, material: Material) {
     let number = scene.materials.iter().position(|m| *m == material).unwrap_or_else(|| {
@@ -113,7 +101,15 @@ fn cornell() -> LitScene {
     // A focal length of 35 mm with a sensor of 25 mm.
     let camera =
         Camera::look_at(Vec3::new(2.78, 2.73, -8.0), Vec3::new(2.78, 2.73, 0.0), 39.3, ASPECT, 0.1, 100.0);
-    let mut scene = seen(Kind::Cornell, camera);
+    let mut scene = LitScene {
+        name: Kind::Cornell.name().to_owned(),
+        objects: Vec::new(),
+        materials: Vec::new(),
+        textures: Vec::new(),
+        lights: Vec::new(),
+        sky: Vec3::ZERO,
+        camera,
+    };
     let (w, h, d) = (5.528, CEILING, 5.592);
     let wall = |corners: [[f32; 3]; 4]| quad(corners.map(Vec3::from_array));
     let walls = [

@@ -43,7 +43,14 @@ impl Voxels {
         dirty.dedup();
         for slot in &dirty {
             let Ok(k) = old.binary_search(slot) else { continue };
-            next.add_others(*slot, self.references_at(k), &numbers, &mut parts);
+            // The parts in the cell of those old triangles that did not change.
+            let cell = self.lattice.of_slot(*slot);
+            let kept = self.references_at(k).iter().map(|r| numbers[r.surface as usize]);
+            parts.extend(kept.filter(|number| *number != NONE).map(|number| {
+                let surface = &next.surfaces[number as usize];
+                let whole = surface.scaled(self.lattice.fine(cell));
+                Part::new(&self.lattice, cell, &whole, (number, surface))
+            }));
         }
         next.sort(&mut parts);
         next.merge(self, (&old, &dirty), &parts, &numbers);
@@ -65,16 +72,6 @@ impl Voxels {
 
     fn references_at(&self, k: usize) -> &[Reference] {
         &self.references[self.starts[k] as usize..self.starts[k + 1] as usize]
-    }
-
-    /// Adds the parts in a cell of those old triangles that did not change.
-    fn add_others(&self, slot: Slot, references: &[Reference], numbers: &[u32], parts: &mut Vec<Part>) {
-        let cell = self.lattice.of_slot(slot);
-        let fine = self.lattice.fine(cell);
-        for number in references.iter().map(|r| numbers[r.surface as usize]).filter(|n| *n != NONE) {
-            let surface = &self.surfaces[number as usize];
-            parts.push(Part::new(&self.lattice, cell, &surface.scaled(fine), (number, surface)));
-        }
     }
 
     /// Adds the cells in order: made anew of their parts, or copied.

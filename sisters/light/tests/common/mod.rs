@@ -165,28 +165,6 @@ pub fn leak_questions(side: f32, thickness: f32) -> Vec<(Vec3, Vec3)> {
     all
 }
 
-/// The mean light of the dark room over that of the lit one, and the most of a point.
-pub fn leak(thickness: f32, cells: u32, rays: u32, place: Affine3A) -> (f64, f64) {
-    let lights = vec![lamp(place.transform_point3(Vec3::new(-2.0, 2.0, 0.3)), 10.0)];
-    let scene = scene(placed(&rooms(thickness), place), vec![matt(0.7)], lights, 0.0);
-    let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, cells))).unwrap();
-    for (p, n) in [-1.0, 1.0].into_iter().flat_map(|side| leak_questions(side, thickness)) {
-        cache.request(place.transform_point3(p), place.transform_vector3(n)).unwrap();
-    }
-    cache.gather(rays).unwrap();
-    cache.direct();
-    (0..8).for_each(|_| _ = cache.pass());
-    let of = |side: f32| {
-        let ask = |(p, n): (Vec3, Vec3)| total(&cache, place.transform_point3(p), place.transform_vector3(n));
-        let all: Vec<f64> = leak_questions(side, thickness).into_iter().map(ask).collect();
-        let most = all.iter().copied().fold(0.0, f64::max);
-        (all.iter().sum::<f64>() / all.len() as f64, most)
-    };
-    let (bright, dark) = (of(-1.0), of(1.0));
-    assert!(bright.0 > 0.5, "{bright:?}");
-    (dark.0 / bright.0, dark.1 / bright.0)
-}
-
 /// The light inside a sealed box of 2 metres under a sky of radiance 1, over that of its roof: the
 /// most of 80 points. Its walls have a thickness; 0 is a sheet.
 pub fn sealed(thickness: f32, cells: u32, rays: u32, place: Affine3A) -> f64 {

@@ -5,7 +5,7 @@ use casca_radiosity::{Cache, Grid, Light, Material, Settings};
 use casca_stage::gpu::Gpu;
 use glam::Vec3;
 
-use crate::common::{lamp, lit, matt, scene, sheet};
+use crate::common::{gathered, lamp, lit, matt, scene, sheet};
 use crate::device::{furnished, points, shaded};
 
 /// Relative differences to the processor's direct light of points: of the sums, and the share of
@@ -72,11 +72,7 @@ fn soft_lights_and_lamps_give_what_they_give_on_the_processor() {
             lamp_rays: 256,
             ..Settings::new(Grid::around(&scene.objects, 20))
         };
-        let mut cache = Cache::new(&scene, rays).unwrap();
-        cache.request_all();
-        cache.gather(8).unwrap();
-        cache.direct();
-        let (sum, far) = apart(&gpu, &cache);
+        let (sum, far) = apart(&gpu, &gathered(&scene, rays, 8));
         println!("{lights:?}: {sum:e}, {far}");
         // They send other rays: with so many, penumbras differ by a hundredth here and there.
         assert!(sum.abs() < 1e-3 && far < 0.1, "{lights:?}: {sum} {far}");
@@ -93,9 +89,7 @@ fn what_hangs_outside_of_the_grid_hides_nothing() {
     let sun = Light::Sun { direction: Vec3::new(-0.4, -1.0, 0.1), irradiance: Vec3::ONE, half_angle: 0.0 };
     let scene = scene(all, vec![matt(0.5)], vec![sun], 0.0);
     let grid = Grid { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::new(1.0, 0.8, 1.0), cells: 6 };
-    let mut cache = Cache::new(&scene, Settings::new(grid)).unwrap();
-    cache.request_all();
-    cache.gather(4).unwrap();
+    let cache = gathered(&scene, Settings::new(grid), 4);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let points: Vec<(Vec3, Vec3)> = (0..200)
         .map(|i| (Vec3::new(i as f32 / 100.0 - 0.997, 0.0, (0.618 * i as f32).fract() - 0.5), Vec3::Y))

@@ -5,7 +5,7 @@ use casca_radiosity::{Cache, Grid, LightError, Material, Settings};
 use casca_stage::gpu::Gpu;
 use glam::{Affine3A, Vec3};
 
-use crate::common::{floor, lamp, leak_questions, lit, matt, placed, rooms, scene, sheet, turned};
+use crate::common::{floor, gathered, lamp, leak_questions, lit, matt, placed, rooms, scene, sheet, turned};
 use crate::device::{Mirroring, furnished, hall, in_hall, mirrored, points, texture_of};
 
 /// Light that differs by more, as a share of the mean or of its own, is that of another wall or of
@@ -212,9 +212,7 @@ fn what_is_outside_of_the_grid_is_not_mirrored() {
     let slope = sheet(Vec3::new(-1.0, 0.5, -4.0), Vec3::new(4.0, 4.0, 0.0), Vec3::Z * 8.0, 1);
     s.objects.push(slope.into());
     let grid = Grid { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::new(1.0, 0.8, 1.0), cells: 6 };
-    let mut cache = Cache::new(&s, Settings::new(grid)).unwrap();
-    cache.request_all();
-    cache.gather(4).unwrap();
+    let cache = gathered(&s, Settings::new(grid), 4);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let mut lamps = 0;
     // Also from points far outside of the grid, below which nothing is.

@@ -1,7 +1,7 @@
 //! Lamps that lie flush with a ceiling.
 
-use crate::common::{indirect, matt, room, scene, sheet};
-use casca_radiosity::{Cache, Grid, Material, Settings};
+use crate::common::{indirect, lit, matt, room, scene, sheet};
+use casca_radiosity::Material;
 use glam::Vec3 as V;
 
 #[test]
@@ -24,10 +24,7 @@ fn lamps_half_a_millimetre_under_a_ceiling_light_a_corridor_as_energy_says() {
     let area = f64::from(2.0 * (SIZE.x * SIZE.y + SIZE.y * SIZE.z + SIZE.z * SIZE.x));
     let known = flux / area * f64::from(albedo / (1.0 - albedo));
     for cells in [32, 64] {
-        let mut cache = Cache::new(&corridor, Settings::new(Grid::around(&corridor.objects, cells))).unwrap();
-        cache.request_all();
-        cache.gather(64).unwrap();
-        cache.direct();
+        let mut cache = lit(&corridor, cells, 64, 0);
         cache.converge(SETTLED, PASSES);
         let (mut sum, steps) = (0.0, 20);
         for (i, k) in (0..steps).flat_map(|i| (0..steps).map(move |k| (i, k))) {

@@ -1,8 +1,8 @@
 //! Sealed boxes with walls, lamps and neighbours on a lattice: in faces of cells, in one plane, and
 //! on each other's edges.
 
-use crate::common::{cuboid, lamp, matt, room, scene, total};
-use casca_radiosity::{Cache, Grid, Settings};
+use crate::common::{cuboid, gathered, lamp, matt, room, scene, total};
+use casca_radiosity::{Grid, Settings};
 use casca_truth::cases;
 use glam::Vec3 as V;
 use proptest::prelude::*;
@@ -35,10 +35,7 @@ proptest! {
         let lamps: Vec<_> = lamps.iter().map(|p| p / 2.0).filter(outside).map(|p| lamp(p, 9.0)).collect();
         let s = scene(walls, vec![matt(0.7)], lamps, 3.0);
         let grid = Grid { min: V::ZERO, max: V::splat(SIDE), cells };
-        let mut cache = Cache::new(&s, Settings::new(grid)).unwrap();
-        cache.request_all();
-        cache.gather(16).unwrap();
-        cache.direct();
+        let mut cache = gathered(&s, Settings::new(grid), 16);
         (0..4).for_each(|_| _ = cache.pass());
         for (axis, i, k) in (0..3).flat_map(|axis| (1..4).flat_map(move |i| (1..4).map(move |k| (axis, i, k)))) {
             for (at, sign) in [(min, 1.0), (max, -1.0)] {

@@ -89,6 +89,7 @@ fn old_light_is_found_anew_in_turn() {
     let lights = [lamp(V::new(0.7, 0.5, 3.0), 4.0)];
     for cache in [&mut whole, &mut parts] {
         cache.set_lights(&lights).unwrap();
+        assert_eq!(cache.direct_part(0), cache.statistics().gathered, "all have an old light");
         cache
             .set_objects(vec![(1, furnished([V::new(1.2, 0.0, 2.3), BOXES[1]]).objects[1].clone())])
             .unwrap();

@@ -1,6 +1,6 @@
 //! Bad input: errors, never a panic, and nothing that one bad triangle takes from the others.
 
-use crate::common::{cuboid, indirect, lamp, lit, matt, room, scene, sheet, total};
+use crate::common::{cuboid, gathered, indirect, lamp, lit, matt, room, scene, sheet, total};
 use casca_radiosity::{Cache, Grid, Light, LightError, Material, Object, Scene, Settings, Sky, Triangle};
 use casca_truth::cases;
 use glam::{Vec3 as V, Vec3};
@@ -133,10 +133,8 @@ fn a_floor_of_a_thousand_kilometres_is_cut_to_the_grid() {
     let cache = lit(&s, 24, 32, 6);
     assert_eq!(cache.statistics().skipped.cut, 0, "{:?}", cache.statistics());
     let settings = Settings::new(Grid { min: V::splat(-1.0), max: V::splat(5.0), cells: 24 });
-    let mut cache = Cache::new(&s, settings).unwrap();
+    let mut cache = gathered(&s, settings, 16);
     assert_eq!(cache.statistics().skipped.cut, 2);
-    cache.request_all();
-    cache.gather(16).unwrap();
     // The floor hides the sky below it.
     cache.pass();
     assert!((indirect(&cache, V::new(4.8, -0.5, 4.8), V::Y) / std::f64::consts::PI - 0.95).abs() < 0.05);

@@ -2,7 +2,6 @@
 
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::numeric::MOST_THICK;
-use crate::view::{View, ViewError};
 
 /// Samples of a pixel that show another line, each with a fragment of its own, at most.
 pub(super) const LAYERS: u32 = 4;
@@ -41,22 +40,6 @@ impl Antialiasing {
     /// Whether pixels have samples.
     pub(super) fn has_samples(self) -> bool {
         matches!(self, Self::Four { .. })
-    }
-
-    /// The view whose pixels are the samples of a view's pixels.
-    pub(super) fn samples_of(self, view: &View) -> Result<View, ViewError> {
-        match self {
-            Self::None => Ok(*view),
-            Self::Four { .. } => view.with_height(view.size()[1].saturating_mul(2)),
-        }
-    }
-
-    /// Half the thickness of lines in samples; 0 where a line shows in all pixels that it crosses.
-    pub(super) fn half_thickness(self) -> f32 {
-        match self {
-            Self::None => 0.0,
-            Self::Four { thickness } => thickness,
-        }
     }
 
     /// How far from the middle of a line the samples that show it may lie, in pixels, beyond the

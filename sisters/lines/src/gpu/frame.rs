@@ -64,7 +64,14 @@ impl Frame {
             return Err(LinesGpuError::Depths { near, far });
         }
         let antialiasing = settings.antialiasing;
-        let samples = antialiasing.samples_of(view)?;
+        // The view whose pixels are the samples, and half the thickness of lines in these; 0 where a
+        // line shows in all pixels that it crosses.
+        let (samples, thick) = match antialiasing {
+            Antialiasing::None => (*view, 0.0),
+            Antialiasing::Four { thickness } => {
+                (view.with_height(view.size()[1].saturating_mul(2))?, thickness)
+            }
+        };
         let (has_samples, has_places) = (antialiasing.has_samples(), settings.by_places());
         let kind = Kind { size: view.size(), has_samples, has_places };
         if !old.as_ref().is_some_and(|f| f.kind == kind) {
@@ -73,7 +80,7 @@ impl Frame {
             *old = Some(Self::new(gpu, &samples, antialiasing, kind)?);
         }
         if let Some(frame) = old {
-            let lens = GpuLens::new(&samples, antialiasing.half_thickness());
+            let lens = GpuLens::new(&samples, thick);
             gpu.write(&frame.lens, bytemuck::cast_slice(&[lens]))?;
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Colours of lines: by direction, by numbers, or their own; and their meaning.
 
-use crate::sets::LineSet;
 use crate::sets::attributes::Of;
+use crate::sets::{LineSet, arc_lengths_of};
 
 /// The colour of unknown values: NaN, the direction of a dot.
 pub const UNKNOWN: [u8; 3] = [160; 3];
@@ -88,7 +88,10 @@ impl LineSet {
         let own = all.iter().find(|s| name.is_none_or(|n| n == s.name));
         let (name, of, values) = match own {
             Some(scalars) => (&*scalars.name, scalars.of, scalars.values.clone()),
-            None if name.is_none_or(|n| n == LENGTH) => (LENGTH, Of::Lines, self.lengths()),
+            None if name.is_none_or(|n| n == LENGTH) => {
+                let length = |line| arc_lengths_of(line).last().unwrap_or(0.0);
+                (LENGTH, Of::Lines, self.iter().map(length).collect())
+            }
             None => {
                 let known = all.iter().map(|s| &*s.name).chain([LENGTH]).map(str::to_owned).collect();
                 return Err(ColourError { name: name.unwrap_or_default().to_owned(), known });
@@ -112,11 +115,6 @@ impl LineSet {
             }
         };
         Ok(Colours { of_vertices, legend: Legend::Scalar { name: name.to_owned(), range } })
-    }
-
-    fn lengths(&self) -> Vec<f32> {
-        let step = |pair: &[glam::Vec3]| pair[1].as_dvec3().distance(pair[0].as_dvec3());
-        self.iter().map(|line| line.windows(2).map(step).sum::<f64>() as f32).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use crate::sets::LineSet;
 
@@ -65,7 +65,17 @@ impl Region {
         }
         let (a, b) = (a.as_dvec3(), b.as_dvec3());
         match self {
-            Self::Box { min, max } => meets_box(a, b, min.as_dvec3(), max.as_dvec3()),
+            // The axes that can separate a segment from a box are those of the box and their products
+            // with the segment (Gottschalk, Lin and Manocha 1996).
+            Self::Box { min, max } => {
+                let (min, max) = (min.as_dvec3(), max.as_dvec3());
+                let (middle, half) = ((min + max) / 2.0, (max - min) / 2.0);
+                let (from, way) = (a - middle, b - a);
+                let (cross, wide) = (from.cross(way).abs(), way.abs());
+                let reach = |i: usize, j: usize| half[i] * wide[j] + half[j] * wide[i];
+                let is_beside = a.min(b).cmpgt(max).any() || a.max(b).cmplt(min).any();
+                !is_beside && cross.x <= reach(1, 2) && cross.y <= reach(2, 0) && cross.z <= reach(0, 1)
+            }
             Self::Sphere { middle, radius } => {
                 let (from, way) = (a - middle.as_dvec3(), b - a);
                 let along = -from.dot(way) / way.length_squared();
@@ -83,19 +93,6 @@ impl Region {
             _ => line.windows(2).any(|pair| self.meets(pair[0], pair[1])),
         }
     }
-}
-
-/// The axes that can separate a segment from a box are those of the box and their products with
-/// the segment (Gottschalk, Lin and Manocha 1996).
-fn meets_box(a: DVec3, b: DVec3, min: DVec3, max: DVec3) -> bool {
-    let (middle, half) = ((min + max) / 2.0, (max - min) / 2.0);
-    if a.min(b).cmpgt(max).any() || a.max(b).cmplt(min).any() {
-        return false;
-    }
-    let (from, way) = (a - middle, b - a);
-    let (cross, wide) = (from.cross(way).abs(), way.abs());
-    let reach = |i: usize, j: usize| half[i] * wide[j] + half[j] * wide[i];
-    cross.x <= reach(1, 2) && cross.y <= reach(2, 0) && cross.z <= reach(0, 1)
 }
 
 impl LineSet {

@@ -138,21 +138,17 @@ impl LineSet {
     /// The unit tangent at each vertex: the central difference, one-sided at the ends; zero where
     /// neighbours coincide.
     pub fn tangents(&self) -> Vec<Vec3> {
-        self.iter().flat_map(tangents_of).collect()
+        let of = |line: &[Vec3], i: usize| {
+            let (before, after) = (line[i.saturating_sub(1)], line[(i + 1).min(line.len() - 1)]);
+            (after.as_dvec3() - before.as_dvec3()).normalize_or_zero().as_vec3()
+        };
+        self.iter().flat_map(|line| (0..line.len()).map(move |i| of(line, i))).collect()
     }
 
     /// The way along its line from the first vertex to each vertex.
     pub fn arc_lengths(&self) -> Vec<f32> {
         self.iter().flat_map(arc_lengths_of).collect()
     }
-}
-
-/// The unit tangent at each vertex of a line.
-fn tangents_of(line: &[Vec3]) -> impl Iterator<Item = Vec3> {
-    (0..line.len()).map(|i| {
-        let (before, after) = (line[i.saturating_sub(1)], line[(i + 1).min(line.len() - 1)]);
-        (after.as_dvec3() - before.as_dvec3()).normalize_or_zero().as_vec3()
-    })
 }
 
 /// The way along a line from its first vertex to each vertex.

@@ -19,14 +19,18 @@ proptest! {
             let side = |at: f32, size: u32| ((f64::from(at) + 1.0) * f64::from(size * 128)) as i32;
             let (x, y) = (side(x, size.0), side(y, size.1));
             let half = half >> magnitude;
-            drawn.draw(&[x], &[y], &[half], &[f32::from(depth)]);
-            let covers = |pixel: u32, at: i32| {
-                let (low, high) = (pixel as i32 * 256, pixel as i32 * 256 + 255);
-                low <= at + half && high >= at - half
-            };
-            for (i, pixel) in (0..).zip(&mut image) {
-                if covers(i % size.0, x) && covers(i / size.0, y) {
-                    *pixel = pixel.min(f32::from(depth));
+            // A farther one that begins at the same pixel is a pixel wider.
+            for (more, depth) in [(0, f32::from(depth)), (128, f32::from(depth) + 0.5)] {
+                let (x, y, half) = (x + more, y + more, half + more);
+                drawn.draw(&[x], &[y], &[half], &[depth]);
+                let covers = |pixel: u32, at: i32| {
+                    let (low, high) = (pixel as i32 * 256, pixel as i32 * 256 + 255);
+                    low <= at + half && high >= at - half
+                };
+                for (i, pixel) in (0..).zip(&mut image) {
+                    if covers(i % size.0, x) && covers(i / size.0, y) {
+                        *pixel = pixel.min(depth);
+                    }
                 }
             }
         }

@@ -14,7 +14,7 @@ mod scatter;
 #[cfg(test)]
 mod tests;
 
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3, Vec3};
 use obvhs::BvhBuildParams;
@@ -53,12 +53,6 @@ pub struct SizeError {
     pub width: usize,
     /// Rows.
     pub height: usize,
-}
-
-/// The pixels of a picture.
-fn pixels((width, height): (usize, usize)) -> Result<Range<usize>, SizeError> {
-    let count = width.checked_mul(height).filter(|n| (1..=MOST_PIXELS).contains(n));
-    Ok(0..count.ok_or(SizeError { width, height })?)
 }
 
 /// A picture of linear light by chance, and how sure it is: row by row from the top.
@@ -155,15 +149,7 @@ impl PathTracer {
         texture.at(u + (v - u) * s + (w - u) * t)
     }
 
-    /// What a pixel shows, and from which direction.
-    fn seen(&self, frustum: &Frustum, i: usize, (width, height): (usize, usize)) -> (Option<Surface>, DVec3) {
-        let place = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        let [x, y] = (place / DVec2::new(width as f64, height as f64) * 2.0 - 1.0).to_array();
-        let (start, step) = frustum.ray(x, -y);
-        (self.hit(frustum.eye() + start, step), step)
-    }
-
-    /// A picture of `size` (width, height) pixels, of the radiance that was scattered so many times on
+    /// A picture of `width` times `height` pixels, of the radiance that was scattered so many times on
     /// its way to the camera: 0 for emitters that are looked at, 1 for direct light, 2 for the first
     /// indirect bounce, 3 for the second; at most 256. `samples` a pixel, 1 to 2^20, are more for less
     /// noise. Costs pixels times samples times the orders.
@@ -173,14 +159,18 @@ impl PathTracer {
     pub fn render(
         &self,
         camera: &Camera,
-        size: (usize, usize),
+        (width, height): (usize, usize),
         orders: &RangeInclusive<u32>,
         samples: u32,
         seed: u64,
     ) -> Result<Render, SizeError> {
         let frustum = Frustum::new(camera);
-        let pixels = pixels(size)?.into_par_iter().map(|i| {
-            let (surface, step) = self.seen(&frustum, i, size);
+        let count = width.checked_mul(height).filter(|n| (1..=MOST_PIXELS).contains(n));
+        let pixels = (0..count.ok_or(SizeError { width, height })?).into_par_iter().map(|i| {
+            let place = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+            let [x, y] = (place / DVec2::new(width as f64, height as f64) * 2.0 - 1.0).to_array();
+            let (start, step) = frustum.ray(x, -y);
+            let surface = self.hit(frustum.eye() + start, step);
             // A generator of its own, so that threads do not matter.
             let mut random = generator(seed, spread(i as u64 + 1));
             mean(samples, || self.radiance(surface, step.normalize_or_zero(), orders, &mut random))
@@ -239,7 +229,16 @@ impl PathTracer {
             }
             let scatter = Scatter::new(material, (at.colour, at.normal), direction);
             if orders.contains(&(order + 1)) {
-                light += weight * self.next_event(&at, &scatter, random);
+                // Direct light of all lights and of one point of the emitters.
+                let mut direct = self.emitted(&at, &scatter, random).unwrap_or(DVec3::ZERO);
+                for of in &self.lights {
+                    let Some((way, towards, irradiance)) = self.towards(of, &at, random) else { continue };
+                    let value = scatter.value(towards) * irradiance;
+                    if value.max_element() > 0.0 && !self.hides(&at, way) {
+                        direct += value;
+                    }
+                }
+                light += weight * direct;
             }
             let Some((way, factor)) = scatter.sample(random) else { break };
             density = Some((scatter.density(way), at.point));
@@ -302,19 +301,6 @@ fn brightness(material: &Material) -> f64 {
 }
 
 impl PathTracer {
-    /// Direct light of all lights and of one point of the emitters, scattered at a surface.
-    fn next_event(&self, at: &Surface, scatter: &Scatter, random: &mut Generator) -> DVec3 {
-        let mut sum = self.emitted(at, scatter, random).unwrap_or(DVec3::ZERO);
-        for light in &self.lights {
-            let Some((way, direction, irradiance)) = self.towards(light, at, random) else { continue };
-            let value = scatter.value(direction) * irradiance;
-            if value.max_element() > 0.0 && !self.hides(at, way) {
-                sum += value;
-            }
-        }
-        sum
-    }
-
     /// A chosen point of a light: the way there, its unit direction, and the irradiance that it
     /// stands for on a surface that faces it. `None` if it is behind the surface or gives no light.
     ///
@@ -360,7 +346,7 @@ impl PathTracer {
     }
 
     /// The weight of the emission of a surface that a scattered ray, found with some density from
-    /// some point, has hit; the rest of it is found by [`Self::next_event`].
+    /// some point, has hit; the rest of it is found by [`Self::emitted`].
     fn share(&self, at: &Surface, direction: DVec3, from: Option<(f64, DVec3)>) -> f64 {
         let Some((density, origin)) = from else { return 1.0 };
         let across = at.normal.dot(direction).abs();

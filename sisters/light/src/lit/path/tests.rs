@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
-use rand::RngExt;
 
 use super::*;
 use crate::lit::{Kind, LitObject};
@@ -122,55 +121,6 @@ fn lambert(corners: &[DVec3], point: DVec3, normal: DVec3) -> f64 {
         })
         .sum();
     sum.abs() / 2.0
-}
-
-#[test]
-fn a_closed_room_keeps_its_energy_until_it_is_absorbed() {
-    let albedo = 0.6;
-    let mut room = scene(vec![(
-        Mesh::cuboid(Vec3::ZERO, Vec3::new(3.0, 1.0, 2.0)),
-        Material::matt(Vec3::splat(albedo)),
-    )]);
-    let lamps = |room: &LitScene| PathTracer::new(room).triangles.iter().map(|t| t.material).sum::<u32>();
-    let position = Vec3::new(1.4, 0.5, 1.1);
-    let light = Light::Point { position, intensity: Vec3::splat(2.0), radius: 0.2 };
-    // Lights alone, a wall that emits alone, and both.
-    for (lit, emits) in [(true, false), (false, true), (true, true)] {
-        room.lights = if lit { vec![light] } else { Vec::new() };
-        let emission = Vec3::splat(if emits { 5.0 } else { 0.0 });
-        room.materials.truncate(1);
-        room.materials.push(Material { emission, ..room.materials[0] });
-        room.objects[0].materials = (0..12).map(|i| u32::from(i / 2 == 3)).collect();
-        assert_eq!(lamps(&room), 2);
-        let tracer = PathTracer::new(&room);
-        let areas: Vec<f64> = tracer.triangles.iter().map(LitTriangle::area).collect();
-        // Radiance times area. All flux of a light of intensity I, 4 pi I, falls on the walls,
-        // which make a radiance of 1 / pi of it.
-        let emitted: f64 = tracer.triangles.iter().zip(&areas).map(|(t, a)| f64::from(t.material) * a).sum();
-        let emitted = emitted * f64::from(emission.x) + if lit { 4.0 * 2.0 } else { 0.0 };
-        for order in 1..4u32 {
-            let mut random = generator(9, 0);
-            let mut total = 0.0;
-            for (t, area) in tracer.triangles.iter().zip(&areas) {
-                let [a, b, c] = t.corners.map(|p| p.as_dvec3());
-                let mut spot = || {
-                    let (root, v) = (random.random::<f64>().sqrt(), random.random::<f64>());
-                    let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
-                    // Boxes look outwards.
-                    let at = Surface {
-                        colour: Vec3::ONE,
-                        point,
-                        normal: -t.cross().as_dvec3().normalize(),
-                        material: t.material as usize,
-                    };
-                    tracer.radiance(Some(at), -at.normal, &(order..=order), &mut random)
-                };
-                total += area * f64::from(mean(3000, &mut spot).0.x);
-            }
-            let truth = emitted * f64::from(albedo).powi(order as i32);
-            near(total, truth, 0.02 * truth);
-        }
-    }
 }
 
 #[test]
