@@ -181,11 +181,14 @@ pub(crate) fn sync(
             casca.occluders.changed(*id, &meshes, settings.most_triangles, &mut look);
         }
     }
-    if !settings.enabled {
-        casca.was_off = true;
+    let has_others = std::mem::replace(&mut casca.options, settings.options) != settings.options;
+    if has_others || !settings.enabled {
         casca.cameras.clear();
         casca.suns.clear();
         casca.lamps.clear();
+    }
+    if !settings.enabled {
+        casca.was_off = true;
         return;
     }
     casca.frame = casca.frame.wrapping_add(1);
