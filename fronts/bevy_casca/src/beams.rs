@@ -103,7 +103,6 @@ pub(crate) struct Beams {
     beams: HashMap<Key, Beam>,
     /// Memory of queries that ran.
     queries: Vec<Query>,
-    options: PointOptions,
 }
 
 impl Beams {
@@ -124,14 +123,11 @@ impl Beams {
         options: PointOptions,
         wanted: Vec<(Key, Aim)>,
         most: usize,
-        moves: impl Fn(Entity) -> bool,
+        movers: &EntityHashMap<Mover>,
     ) {
         // Results that are kept should be as small as they get.
         let options = options.coherent(false);
         let mut old = std::mem::take(&mut self.beams);
-        if std::mem::replace(&mut self.options, options) != options {
-            old.clear();
-        }
         let Some(scene) = scene else { return };
         let mut jobs: Vec<(Key, Beam, Query)> = Vec::new();
         for (key, aim) in wanted {
@@ -158,7 +154,7 @@ impl Beams {
             let found = query.pvs().visible().iter();
             let found = found.filter_map(|&id| Entity::try_from_bits(scene.user_data(id).ok()?));
             beam.lit.clear();
-            beam.lit.extend(found.filter(|&entity| !moves(entity)));
+            beam.lit.extend(found.filter(|entity| !movers.contains_key(entity)));
             self.beams.insert(key, beam);
             self.queries.push(query);
         }

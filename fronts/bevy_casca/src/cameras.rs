@@ -40,7 +40,6 @@ pub(crate) struct Candidate {
     pub(crate) transform: Option<&'static GlobalTransform>,
     pub(crate) no_frustum_culling: Has<NoFrustumCulling>,
     pub(crate) has_range: Has<VisibilityRange>,
-    pub(crate) known: Option<&'static InScene>,
 }
 
 /// A camera, as far as the test asks.
@@ -143,9 +142,6 @@ pub(crate) fn check_cameras(
     // Whatever happened meanwhile: what is not drawn may not hide.
     let strays = drawn::strays(casca, &drawn, &mut commands);
     let mut old = std::mem::take(&mut casca.cameras);
-    if std::mem::replace(&mut casca.options, settings.options) != settings.options {
-        old.clear();
-    }
     let (mut ran, frame) = (Vec::new(), casca.frame);
     if let Some(scene) = &casca.scene {
         let reach = KeptOptions::new().reach((REACH * scene.grid().cell_size()) as f32);
@@ -211,7 +207,7 @@ pub(crate) fn check_cameras(
                 }
                 casca.counts.visible += seen;
                 casca.counts.culled += scene.len().saturating_sub(seen);
-                if ran.contains(&camera.entity) && !casca.is_loading() {
+                if ran.contains(&camera.entity) && !(casca.is_preparing() || casca.changes.everywhere) {
                     let step = scene.len() / SAMPLE + 1;
                     let in_frustum = managed.iter_mut().step_by(step).filter(|item| item.is_seen(&viewer));
                     let in_frustum = in_frustum.count() * step;

@@ -29,10 +29,8 @@ pub(crate) struct Shine<'a> {
     pub(crate) layers: &'a RenderLayers,
     /// What ranges of visibility are measured from.
     pub(crate) origin: Option<Entity>,
-    /// As far as it shines, if it ends.
+    /// As far as it shines, if it ends. Of others, what lies before the near plane casts a shadow, too.
     pub(crate) sphere: Option<Sphere>,
-    /// Whether what lies before the near plane casts no shadow.
-    pub(crate) near: bool,
 }
 
 impl Casters<'_, '_> {
@@ -44,13 +42,13 @@ impl Casters<'_, '_> {
         frusta: &[Frustum],
         managed: Option<Vec<Entity>>,
     ) -> Vec<Vec<Entity>> {
-        let ranges = self.ranges.as_deref();
+        let (ranges, near) = (self.ranges.as_deref(), shine.sphere.is_some());
         let note = |lists: &mut [Vec<Entity>], mut item: CandidateItem| {
             if !item.casts(shine, ranges) {
                 return;
             }
             for (frustum, list) in frusta.iter().zip(lists) {
-                if item.reaches(|aabb, place| frustum.intersects_obb(aabb, place, shine.near, true)) {
+                if item.reaches(|aabb, place| frustum.intersects_obb(aabb, place, near, true)) {
                     item.view_visibility.set_visible();
                     list.push(item.entity);
                 }
@@ -82,11 +80,6 @@ impl Casters<'_, '_> {
         }
         out.iter_mut().for_each(|list| list.sort_unstable());
         out
-    }
-
-    /// Whether a managed entity moves; in doubt, it does not.
-    pub(crate) fn moves(&self, entity: Entity) -> bool {
-        self.managed.get(entity).is_ok_and(|item| item.known.is_some_and(|known| known.moves))
     }
 }
 

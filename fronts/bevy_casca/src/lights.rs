@@ -75,7 +75,7 @@ pub(crate) fn check_suns(
     wanted.sort_by_key(|&(later, ran, ..)| (later, ran));
     let wanted = wanted.into_iter().map(|(.., key, aim)| (key, aim)).collect();
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
-    casca.suns.shine(now, settings.options, wanted, TILES_A_FRAME, |entity| casters.moves(entity));
+    casca.suns.shine(now, settings.options, wanted, TILES_A_FRAME, &casca.movers);
     for (entity, light, frusta, _, mut visible, layers, seen, _) in &mut suns {
         // If shadow maps are disabled, there must be no entities.
         if !light.shadow_maps_enabled || !seen.get() {
@@ -85,8 +85,7 @@ pub(crate) fn check_suns(
         visible.entities.retain(|camera, _| frusta.frusta.contains_key(camera));
         for (&camera, frusta) in &frusta.frusta {
             let layers = layers.unwrap_or_default();
-            // What lies before the near plane casts a shadow, too.
-            let shine = Shine { layers, origin: Some(camera), sphere: None, near: false };
+            let shine = Shine { layers, origin: Some(camera), sphere: None };
             let lit = shafts.get(&(entity, camera)).and_then(|shaft| {
                 let now = shaft.tiles().filter(|tile| shaft.holds(*tile));
                 let now: Vec<_> = now.map(|tile| (entity, camera, tile)).collect();
@@ -229,7 +228,7 @@ pub(crate) fn check_lamps(
     let wanted: EntityHashMap<Aim> = asked.filter_map(|lamp| Some((lamp.entity, lamp.aim()?))).collect();
     let aims = wanted.iter().map(|(lamp, aim)| ((*lamp, *lamp, IVec2::ZERO), aim.clone())).collect();
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
-    casca.lamps.shine(now, settings.options, aims, usize::MAX, |entity| casters.moves(entity));
+    casca.lamps.shine(now, settings.options, aims, usize::MAX, &casca.movers);
     let origin = get_shadow_lod_origin(
         targets.transmute_lens_filtered(),
         origins.transmute_lens_filtered(),
@@ -248,7 +247,7 @@ pub(crate) fn check_lamps(
         };
         let sphere = Sphere { center: lamp.transform.translation_vec3a(), radius: range };
         let layers = lamp.layers.unwrap_or_default();
-        let shine = Shine { layers, origin, sphere: Some(sphere), near: true };
+        let shine = Shine { layers, origin, sphere: Some(sphere) };
         let key = (entity, entity, IVec2::ZERO);
         let lit = wanted.get(&entity);
         let lit = lit.and_then(|aim| casca.lamps.casters(&[key], &aim.reach, &casca.movers));

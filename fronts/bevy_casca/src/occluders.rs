@@ -41,7 +41,7 @@ struct Entry {
 #[derive(Debug, Default)]
 pub(crate) struct Occluders {
     entries: HashMap<Key, Entry>,
-    preparing: Vec<Key>,
+    pub(crate) preparing: Vec<Key>,
     /// Of meshes that only the renderer keeps: they can be read when they come, and no more.
     kept: HashMap<AssetId<Mesh>, Triangles>,
     /// Where meshes are stored that are asked for from now on.
@@ -120,11 +120,6 @@ impl Occluders {
     /// The number of meshes that are ready.
     pub(crate) fn ready(&self) -> usize {
         self.entries.values().filter(|entry| entry.state.is_ok()).count()
-    }
-
-    /// Whether some are being prepared.
-    pub(crate) fn are_preparing(&self) -> bool {
-        !self.preparing.is_empty()
     }
 }
 

@@ -25,7 +25,7 @@ pub struct CascaScene {
     pub(crate) scene: Option<Scene>,
     pub(crate) occluders: Occluders,
     pub(crate) cameras: EntityHashMap<Eye>,
-    /// Those that the queries of cameras were made with.
+    /// Those that the queries of cameras and lights were made with.
     pub(crate) options: PointOptions,
     /// Of directional lights.
     pub(crate) suns: Beams,
@@ -103,14 +103,9 @@ impl CascaScene {
         self.occluders.ready()
     }
 
-    /// Whether more comes than a result could hold for.
-    pub(crate) fn is_loading(&self) -> bool {
-        self.is_preparing() || self.changes.everywhere
-    }
-
     /// Whether meshes are being prepared in the background.
     pub fn is_preparing(&self) -> bool {
-        self.occluders.are_preparing()
+        !self.occluders.preparing.is_empty()
     }
 }
 

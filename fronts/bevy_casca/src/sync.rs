@@ -181,11 +181,14 @@ pub(crate) fn sync(
             casca.occluders.changed(*id, &meshes, settings.most_triangles, &mut look);
         }
     }
-    if !settings.enabled {
-        casca.was_off = true;
+    let has_others = std::mem::replace(&mut casca.options, settings.options) != settings.options;
+    if has_others || !settings.enabled {
         casca.cameras.clear();
         casca.suns.clear();
         casca.lamps.clear();
+    }
+    if !settings.enabled {
+        casca.was_off = true;
         return;
     }
     casca.frame = casca.frame.wrapping_add(1);
@@ -216,8 +219,11 @@ pub(crate) fn sync(
     }
     let shifted =
         shifted.filter(|by| scene.set_origin(scene.origin() + border::vec3(*by).as_dvec3()).is_ok());
-    if let Some(by) = &shifted {
-        movers.values_mut().for_each(|mover| mover.at.translation -= Vec3A::from(*by));
+    if let Some(by) = shifted.map(Vec3A::from) {
+        for Mover { at, around, .. } in movers.values_mut() {
+            at.translation -= by;
+            *around = (around.0 - by, around.1 - by);
+        }
     }
     let deferred = deferred.as_deref().copied().unwrap_or_default();
     occluders.poll(&mut look);

@@ -167,3 +167,28 @@ fn who_is_told_of_a_new_origin_goes_on_hiding() {
     judge(&mut pair.ours, CAMERA, &ours[&CAMERA]);
     assert!(moving(&mut pair).len() > 2000);
 }
+
+#[test]
+fn what_moved_until_the_origin_does_goes_on_casting_its_shadow() {
+    let (thing, bulb) = (1, 2);
+    let mut pair = Pair::new(|world| {
+        spawn_box(world, thing, Vec3::X * 2.0, Vec3::splat(0.5));
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 0.0, 20.0));
+        let lamp = PointLight { shadow_maps_enabled: true, range: 10.0, ..Default::default() };
+        world.spawn((Nr(bulb), lamp, Transform::default()));
+    });
+    for frame in 0..12 {
+        pair.frame(|world| {
+            if frame < 10 {
+                on(world, thing, |it| it.get_mut::<Transform>().unwrap().translation.y = (frame % 2) as f32);
+            } else if frame == 10 {
+                // Without rounding: nothing else tells that it is elsewhere.
+                let by = Vec3::X * 512.0;
+                world.get_resource_mut::<CascaScene>().into_iter().for_each(|mut it| it.shift_origin(by));
+                world.query::<&mut Transform>().iter_mut(world).for_each(|mut at| at.translation -= by);
+            }
+        });
+        let casts = |app: &mut App| light_lists(app).values().any(|list| list.contains(&thing));
+        assert!(casts(&mut pair.ours) && casts(&mut pair.bevys), "frame {frame}");
+    }
+}

@@ -21,18 +21,10 @@ fn built() -> PathBuf {
     std::env::current_exe().unwrap().parent().unwrap().to_owned()
 }
 
-/// The flags that programs of a language are built with.
-fn language(source: &Path) -> (&'static str, &'static [&'static str]) {
-    const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"];
-    match source.extension().is_some_and(|e| e == "c") {
-        true => ("cc", const { &["-std=c11", WARNINGS[0], WARNINGS[1], WARNINGS[2], WARNINGS[4]] }),
-        false => ("c++", const { &["-std=c++17", WARNINGS[0], WARNINGS[1], WARNINGS[2], WARNINGS[4]] }),
-    }
-}
-
 /// Builds and runs a program, and gives its output; nothing if there is no compiler for it, or no valgrind.
 fn run(source: &Path, how: How) -> Option<String> {
-    let (compiler, flags) = language(source);
+    let is_c = source.extension().is_some_and(|e| e == "c");
+    let (compiler, standard) = if is_c { ("cc", "-std=c11") } else { ("c++", "-std=c++17") };
     if Command::new(compiler).arg("--version").output().is_err() {
         println!("skipped: no {compiler}");
         return None;
@@ -42,7 +34,10 @@ fn run(source: &Path, how: How) -> Option<String> {
     let program =
         to.join(format!("{}-{suffix}-{}", source.file_stem().unwrap().display(), std::process::id()));
     let mut build = Command::new(compiler);
-    build.args(flags).args(["-g", "-O1", "-I"]).arg(here().join("include"));
+    build
+        .args([standard, "-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+        .args(["-g", "-O1", "-I"])
+        .arg(here().join("include"));
     build.arg("-I").arg(here().join("tests/c"));
     if let Some(folder) = std::env::var_os("CASCA_GODOT_INCLUDE") {
         build.arg("-isystem").arg(folder);

@@ -171,11 +171,6 @@ impl VisibilityServer {
         self.space.walls.part(from.as_dvec3(), to.as_dvec3())
     }
 
-    /// The options.
-    pub fn options(&self) -> &ServerOptions {
-        &self.options
-    }
-
     /// Adds a client, whose eye is at its place at the time `now`.
     ///
     /// # Errors
@@ -386,12 +381,12 @@ impl VisibilityServer {
             let (seconds, is_stale) = client.time_ahead(now, options);
             let Client { desc, kept, answer, .. } = client;
             let reach = f64::from(desc.speed) * seconds * (1.0 + ROUNDING);
-            let (id, mut look) = (answer.client, space.look(desc.eye, reach, kept));
+            let (id, mut may_see) = (answer.client, space.look(desc.eye, reach, kept));
             let all = entities.iter().zip(places.get(&steps(seconds)).into_iter().flatten());
             let told = all.filter(|((entity, about), place)| {
                 about.desc.owner == Some(id)
                     || desc.team.is_some() && desc.team == about.side
-                    || look.may_see(entity.slot().index(), place)
+                    || may_see(entity.slot().index(), place)
                     || hook((id, desc), (*entity, &about.desc))
             });
             let told = told.map(|((entity, _), _)| *entity).collect();

@@ -39,15 +39,6 @@ pub(crate) struct Kept {
     pub(crate) seen_cells: SeenCells,
 }
 
-/// What an eye may see.
-#[derive(Debug)]
-pub(crate) struct Look<'a> {
-    walls: &'a Walls,
-    baked: Option<Baked<'a>>,
-    eyes: Eyes,
-    kept: &'a mut Kept,
-}
-
 impl Space {
     pub(crate) fn new(level: Scene, uses_walls: bool) -> Self {
         Self { level, walls: Walls::default(), is_changed: true, baked: None, uses_walls }
@@ -71,27 +62,26 @@ impl Space {
         Reached { span, cells: self.sets().and_then(|sets| cells_of(&sets, &span)) }
     }
 
-    /// What eyes see that went `reach` at most.
-    pub(crate) fn look<'a>(&'a self, eye: Vec3, reach: f64, kept: &'a mut Kept) -> Look<'a> {
+    /// Tells of entities, by their slots and where they may be, whether one of the eyes that went `reach`
+    /// at most may see a point of it; in doubt, yes.
+    pub(crate) fn look(
+        &self,
+        eye: Vec3,
+        reach: f64,
+        Kept { hints, seen_cells }: &mut Kept,
+    ) -> impl FnMut(usize, &Reached) -> bool {
         let center = eye.as_dvec3();
         let span = Span { min: center - reach, max: center + reach };
         let span = self.walls.reached(&Span { min: center, max: center }, span);
-        let baked = self.sets();
-        kept.seen_cells.follow(baked.as_ref(), &span);
-        Look { walls: &self.walls, baked, eyes: Eyes::new(center, reach, span), kept }
-    }
-}
-
-impl Look<'_> {
-    /// Whether one of these eyes may see a point of an entity, by its slot and where it may be; in
-    /// doubt, yes.
-    pub(crate) fn may_see(&mut self, slot: usize, place: &Reached) -> bool {
-        let Kept { hints, seen_cells } = &mut *self.kept;
-        if hints.len() <= slot {
-            hints.resize(slot + 1, 0);
+        let (baked, eyes) = (self.sets(), Eyes::new(center, reach, span));
+        seen_cells.follow(baked.as_ref(), &span);
+        move |slot, place| {
+            if hints.len() <= slot {
+                hints.resize(slot + 1, 0);
+            }
+            baked.is_none_or(|sets| seen_cells.may_see(&sets, place.cells))
+                && !self.walls.hide(&eyes, &place.span, 0.0, &mut hints[slot])
         }
-        self.baked.is_none_or(|sets| seen_cells.may_see(&sets, place.cells))
-            && !self.walls.hide(&self.eyes, &place.span, 0.0, &mut hints[slot])
     }
 }
 

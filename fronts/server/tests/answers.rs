@@ -123,7 +123,7 @@ fn changes_of_the_level_count_from_the_next_tick_on() {
 
 #[test]
 fn answers_do_not_depend_on_the_number_of_threads() {
-    let level = Level::rooms().unwrap();
+    let level = Level::open("rooms").unwrap();
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -157,7 +157,7 @@ fn plain(answer: Answer) -> Plain {
 
 #[test]
 fn what_is_new_and_forgotten_adds_up() {
-    let level = Level::rooms().unwrap();
+    let level = Level::open("rooms").unwrap();
     let mut game = Match::new(&level, MatchOptions { bots: 16, ..MatchOptions::default() }).unwrap();
     let mut known: std::collections::BTreeMap<ClientId, BTreeSet<EntityId>> = Default::default();
     let (mut came, mut went) = (0, 0);

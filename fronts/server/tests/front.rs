@@ -26,7 +26,7 @@ fn options() -> FrontOptions {
 }
 
 async fn start(options: FrontOptions) -> Front {
-    let level = tokio::task::spawn_blocking(|| Level::rooms().unwrap()).await.unwrap();
+    let level = tokio::task::spawn_blocking(|| Level::open("rooms").unwrap()).await.unwrap();
     Front::start(level, options).await.unwrap()
 }
 

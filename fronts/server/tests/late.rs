@@ -51,7 +51,7 @@ fn options() -> MatchOptions {
 
 #[test]
 fn nothing_is_told_late_in_rooms() {
-    let verdict = play(&Level::rooms().unwrap(), options(), 200);
+    let verdict = play(&Level::open("rooms").unwrap(), options(), 200);
     assert_eq!(verdict.late, 0, "{verdict:?}");
     let share = verdict.withheld as f64 / verdict.pairs as f64;
     assert!(share > 0.3, "{share} of all pairs are withheld");
@@ -59,7 +59,7 @@ fn nothing_is_told_late_in_rooms() {
 
 #[test]
 fn lies_about_the_reach_and_the_growth_are_found_out() {
-    let level = Level::rooms().unwrap();
+    let level = Level::open("rooms").unwrap();
     let still = play(&level, MatchOptions { told: [0.0, 1.0], ..options() }, 200);
     assert!(still.late > 10, "{still:?}");
     let prompt = play(&level, MatchOptions { told: [1.0, 0.0], ..options() }, 200);
@@ -68,7 +68,7 @@ fn lies_about_the_reach_and_the_growth_are_found_out() {
 
 #[test]
 fn nothing_is_told_late_by_baked_sets() {
-    let mut level = Level::rooms().unwrap();
+    let mut level = Level::open("rooms").unwrap();
     let file = level.bake(2.0, 16, 2, &mut |_, _| ControlFlow::Continue(())).unwrap();
     level.baked = Some(file);
     let verdict = play(&level, MatchOptions { seed: 2, ..options() }, 100);
@@ -86,7 +86,7 @@ fn nothing_is_told_late_by_baked_sets() {
 
 #[test]
 fn bots_keep_to_their_speed_and_out_of_walls() {
-    let level = Level::rooms().unwrap();
+    let level = Level::open("rooms").unwrap();
     let oracle = RayOracle::new(&level.objects);
     let mut game = Match::new(&level, MatchOptions { bots: 40, ..MatchOptions::default() }).unwrap();
     let (mut jumps, mut aside) = (0, 0.0f32);

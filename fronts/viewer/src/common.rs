@@ -91,18 +91,12 @@ impl Film {
     }
 
     /// The picture as it was drawn: red, green, blue, opacity, row by row.
-    ///
-    /// # Errors
-    /// The device is lost.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
         let pixels = self.canvas.read_picture(gpu)?;
         Ok(if self.is_twice { halved(&pixels, self.canvas.size()) } else { pixels })
     }
 
     /// Writes the picture as it was drawn into a file, and prints its name.
-    ///
-    /// # Errors
-    /// The device is lost, or the file cannot be written.
     pub fn save(&self, gpu: &Gpu, path: &Path) -> Result<(), Failed> {
         write_png(path, self.size(), &self.read(gpu)?)?;
         say(path.display());
@@ -116,9 +110,6 @@ pub trait Shows: Args {
     fn common(&self) -> &Common;
 
     /// The window.
-    ///
-    /// # Errors
-    /// What is shown cannot be had.
     fn start(&self) -> Result<Start, Failed>;
 
     /// Whether it draws pictures or prints numbers, and opens no window.
@@ -127,15 +118,9 @@ pub trait Shows: Args {
     }
 
     /// Does its work without a window; whether all that was to be proved holds.
-    ///
-    /// # Errors
-    /// What is drawn cannot be had or written.
     fn work(&self) -> Result<Outcome, Failed>;
 
     /// Opens a window, or works without one.
-    ///
-    /// # Errors
-    /// As [`Self::work`], and there is no display or no adapter.
     fn run(&self) -> Result<Outcome, Failed> {
         if self.is_windowless() {
             return self.work();
@@ -146,9 +131,6 @@ pub trait Shows: Args {
 }
 
 /// Options as some words give them.
-///
-/// # Errors
-/// Says what is wrong with them.
 pub fn parsed<A: Args>(words: &[&str]) -> Result<A, String> {
     let command = A::augment_args(clap::Command::new("casca").no_binary_name(true));
     let matches = command.try_get_matches_from(words).map_err(|e| e.to_string())?;
@@ -156,9 +138,6 @@ pub fn parsed<A: Args>(words: &[&str]) -> Result<A, String> {
 }
 
 /// A number of a command line, within a range.
-///
-/// # Errors
-/// It is none, or not within.
 pub fn number<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
 where
     T: FromStr + PartialOrd + Display,

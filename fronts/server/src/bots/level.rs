@@ -99,14 +99,6 @@ pub struct Track {
 }
 
 impl Level {
-    /// The level of rooms that needs no file.
-    ///
-    /// # Errors
-    /// None are known; as [`Level::open`].
-    pub fn rooms() -> Result<Self, LevelError> {
-        Self::of(build(SceneKind::Rooms, &options()), BODY[1])
-    }
-
     /// A generated scene by its name, or a glTF file.
     ///
     /// # Errors
@@ -114,7 +106,8 @@ impl Level {
     pub fn open(name: &str) -> Result<Self, LevelError> {
         if let Ok(kind) = name.parse::<SceneKind>() {
             let down = if kind == SceneKind::Rooms { BODY[1] } else { SHORT };
-            return Self::of(build(kind, &options()), down);
+            let options = SceneOptions { frames: FRAMES, ..SceneOptions::default() };
+            return Self::of(build(kind, &options), down);
         }
         let ending = Path::new(name).extension().unwrap_or_default();
         if !ending.eq_ignore_ascii_case("glb") && !ending.eq_ignore_ascii_case("gltf") {
@@ -218,10 +211,6 @@ impl Track {
 fn hides(object: &&Object) -> bool {
     let b = bounds_of(&object.shape);
     object.occludes && (b.max - b.min).length() >= LEAST_OCCLUDER
-}
-
-fn options() -> SceneOptions {
-    SceneOptions { frames: FRAMES, ..SceneOptions::default() }
 }
 
 /// A path with a step of 5 cm at most.

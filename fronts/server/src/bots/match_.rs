@@ -161,11 +161,6 @@ impl<'a> Match<'a> {
         }
     }
 
-    /// The tick, counted from 0.
-    pub fn tick(&self) -> u64 {
-        self.tick
-    }
-
     /// What is true when a tick begins, and when the next one does.
     pub fn now(&self) -> [&Moment; 2] {
         [&self.moments[0], &self.moments[1]]

@@ -93,17 +93,11 @@ impl Choices {
     }
 
     /// The look of a mesh of a radius.
-    ///
-    /// # Errors
-    /// As [`Choices::fur`].
     pub fn look(&self, radius: f32) -> Result<Look, casca_fur::Error> {
         Ok(Look::new(self.fur(radius)?))
     }
 
     /// The mesh that grows fur: of the file, or generated.
-    ///
-    /// # Errors
-    /// The file cannot be taken.
     pub fn subject(&self) -> Result<Subject, Failed> {
         let Some(path) = &self.common.file else {
             let animal = Animal::new(self.seed, DETAIL)?;

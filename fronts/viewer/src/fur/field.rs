@@ -86,9 +86,6 @@ impl Stage {
 
     /// What a camera draws with so many layers, near to far: all, or what casca finds visible; and how
     /// many animals that is.
-    ///
-    /// # Errors
-    /// The camera is refused: a matrix that is not finite, for example.
     pub fn look(
         &mut self,
         camera: &Camera,

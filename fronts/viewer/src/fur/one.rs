@@ -41,22 +41,25 @@ pub fn camera(radius: f32, aspect: f32) -> Camera {
     Camera::look_at(eye, Vec3::new(0.05, -0.02, 0.0) * radius, 50.0, aspect, 0.05 * radius, 40.0 * radius)
 }
 
-/// The object where it is modelled, over a ground: a level of detail; the coarsest if there is none
-/// of this number.
-pub fn level_list(subject: &Subject, level: u32, layers: u32) -> DrawList {
+/// The object where it is modelled, over a ground, posed at a time in seconds if it walks: a level of
+/// detail; the coarsest if there is none of this number.
+pub fn level_list(
+    subject: &Subject,
+    level: u32,
+    layers: u32,
+    seconds: f64,
+) -> Result<DrawList, casca_fur::Error> {
     let mesh = (level as usize).min(subject.levels.len() - 1);
-    let place = subject.walker.as_ref().map_or(Affine3A::IDENTITY, |walker| walker.place());
+    let place = subject.walker.as_ref().map_or(Affine3A::IDENTITY, |walker| walker.place);
     let stand = Stand { mesh, place, root: ROOT, tip: TIP };
-    let mut list = DrawList::new(&[(stand, layers)], Vec::new());
-    if let Some(walker) = &subject.walker {
-        // It has the animal that is posed.
-        walker.pose(&mut list, 0.0).ok();
-    }
     let (low, r) = (subject.low, subject.radius);
     let block =
         Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
-    list.blocks.push(block);
-    list
+    let mut list = DrawList::new(&[(stand, layers)], vec![block]);
+    if let Some(walker) = &subject.walker {
+        walker.pose(&mut list, seconds)?;
+    }
+    Ok(list)
 }
 
 /// The level of detail for a camera and a picture of so many pixels: by [`level_for`], for the disc
@@ -97,13 +100,10 @@ pub fn pictures(
     let sun = sun(subject.radius);
     let frames = subject.walker.as_ref().map_or(1, |_| choices.common.frames.unwrap_or(2));
     for frame in 0..frames {
-        let mut list = level_list(subject, 0, choices.layers);
+        let list = level_list(subject, 0, choices.layers, 0.1 + STEP * f64::from(frame))?;
         let name = match &subject.walker {
             None => format!("{}.png", subject.name),
-            Some(walker) => {
-                walker.pose(&mut list, 0.1 + STEP * f64::from(frame))?;
-                format!("{}-walk-{frame}.png", subject.name)
-            }
+            Some(_) => format!("{}-walk-{frame}.png", subject.name),
         };
         renderer.cast_shadows(gpu, &list, &sun)?;
         renderer.draw(gpu, &film.canvas.picture(), &camera, &list, &sun)?;

@@ -17,8 +17,8 @@ pub struct Walker {
     /// Those of each level of detail.
     pub weights: Vec<Weights>,
     clip: Clip,
-    /// From where the skeleton poses the mesh to where the mesh was at rest, with its size.
-    place: Affine3A,
+    /// Where its posed mesh is placed: from there to where it was at rest, with its size.
+    pub place: Affine3A,
     /// The ground below it.
     pub low: f32,
 }
@@ -45,15 +45,7 @@ impl Walker {
         Ok(Self { skeleton, weights, clip: clip.clone(), place, low })
     }
 
-    /// Where its posed mesh is placed.
-    pub fn place(&self) -> Affine3A {
-        self.place
-    }
-
     /// Poses the first animal of a list.
-    ///
-    /// # Errors
-    /// None for lists with an animal.
     pub fn pose(&self, list: &mut DrawList, seconds: f64) -> Result<(), casca_fur::Error> {
         let mut pose = Pose::rest(&self.skeleton);
         pose.set(&self.skeleton, &self.clip, seconds);

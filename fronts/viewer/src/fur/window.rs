@@ -110,11 +110,7 @@ impl Viewer {
                     // A level casts its own shadow.
                     (self.level, self.sun) = (level, None);
                 }
-                let mut made = one::level_list(subject, level, self.choices.layers);
-                if let Some(walker) = &subject.walker {
-                    walker.pose(&mut made, self.time)?;
-                }
-                list = made;
+                list = one::level_list(subject, level, self.choices.layers, self.time)?;
                 counts = (1, list.shells());
                 if self.sun.is_none() {
                     let sun = one::sun(radius);

@@ -141,9 +141,6 @@ struct Frame {
 
 impl Frame {
     /// Textures of a size, or as large as the device has them.
-    ///
-    /// # Errors
-    /// The device has no room for them.
     fn new(gpu: &Gpu, size: (u32, u32)) -> Result<Self, GpuError> {
         let size = gpu.clamp(size);
         let texture = |format, usage| {
@@ -203,9 +200,6 @@ pub struct Picture {
 
 impl Picture {
     /// Pipelines, and the triangles of a scene.
-    ///
-    /// # Errors
-    /// The adapter has no buffers as large.
     pub fn new(gpu: &Gpu, scene: &LitScene) -> Result<Self, GpuError> {
         let layers = LAYERS.map(|(name, l)| format!("const {}: u32 = {}u;\n", name.to_uppercase(), l as u32));
         let constants = format!(
@@ -265,9 +259,6 @@ impl Picture {
     }
 
     /// Draws a layer, as large as the target.
-    ///
-    /// # Errors
-    /// The adapter has no textures as large; the device is lost.
     pub fn draw(
         &mut self,
         gpu: &Gpu,
@@ -412,9 +403,6 @@ impl Picture {
     }
 
     /// The light of the last picture, row by row: red, green, blue, and 1 where there is a surface.
-    ///
-    /// # Errors
-    /// The device is lost.
     #[cfg(test)]
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<[f32; 4]>, GpuError> {
         let bytes: Vec<u8> = gpu.read(self.frame.light.texture())?;

@@ -74,7 +74,7 @@ pub struct Renderer {
     scene: LitScene,
     cache: Cache,
     device: GpuCache,
-    picture: Picture,
+    pub(super) picture: Picture,
     threads: u32,
     /// Questions so far: each has another place in the picture.
     asked: u32,
@@ -231,9 +231,6 @@ impl Renderer {
     }
 
     /// Draws a layer, as large as the target.
-    ///
-    /// # Errors
-    /// The adapter has no textures as large; the device is lost.
     pub fn draw(
         &mut self,
         gpu: &Gpu,
@@ -243,14 +240,5 @@ impl Renderer {
         clock: &mut Clock,
     ) -> Result<(), Box<dyn Error>> {
         self.picture.draw(gpu, (target, &self.device), camera, (layer, self.exposure), clock)
-    }
-
-    /// The light of the last picture: see [`Picture::read`].
-    ///
-    /// # Errors
-    /// The device is lost.
-    #[cfg(test)]
-    pub fn read_light(&self, gpu: &Gpu) -> Result<Vec<[f32; 4]>, Box<dyn Error>> {
-        Ok(self.picture.read(gpu)?)
     }
 }

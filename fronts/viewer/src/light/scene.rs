@@ -23,9 +23,6 @@ pub struct Room {
 
 impl Room {
     /// Loads or makes a scene and adds balls.
-    ///
-    /// # Errors
-    /// The file cannot be taken, or no scene has that name.
     pub fn open(name: &str, balls: u16) -> Result<Self, Box<dyn Error>> {
         let ending = Path::new(name).extension().unwrap_or_default();
         let is_file = ending.eq_ignore_ascii_case("glb") || ending.eq_ignore_ascii_case("gltf");

@@ -41,7 +41,7 @@ fn at_once(gpu: &Gpu, renderer: &mut Renderer, start: &Room) -> Updated {
 fn drawn(gpu: &Gpu, renderer: &mut Renderer, start: &Room, layer: Layer) -> Vec<Vec3> {
     let canvas = Canvas::new(gpu, SIZE);
     renderer.draw(gpu, &canvas.picture(), &start.camera(SIZE), layer, &mut Clock::off()).unwrap();
-    renderer.read_light(gpu).unwrap().iter().map(|p| Vec3::from_slice(p)).collect()
+    renderer.picture.read(gpu).unwrap().iter().map(|p| Vec3::from_slice(p)).collect()
 }
 
 /// The mean difference of two pictures over the mean of the second.
@@ -184,7 +184,7 @@ fn edges_of_rooms_are_not_black() {
         let canvas = Canvas::new(&gpu, size);
         let [albedo, light] = [Layer::Albedo, Layer::Indirect].map(|layer| {
             renderer.draw(&gpu, &canvas.picture(), &camera, layer, &mut Clock::off()).unwrap();
-            renderer.read_light(&gpu).unwrap()
+            renderer.picture.read(&gpu).unwrap()
         });
         let is_black = |p: &[f32; 4]| p[..3].iter().sum::<f32>() == 0.0;
         // Lamps scatter nothing.

@@ -105,14 +105,14 @@ fn show(context: &Context, level: &Level) {
         let colour = if visible { VISIBLE } else { CULLED };
         painter.circle_filled(places.point(at), RADIUS * places.side, colour);
     }
-    painter.circle_filled(places.point(level.eye()), EYE_RADIUS * places.side, EYE);
+    painter.circle_filled(places.point(level.eye), EYE_RADIUS * places.side, EYE);
 }
 
 /// The visible region, as a fan of triangles around the eye, which sees all of its border.
 fn region(painter: &Painter, places: &Places, level: &Level) {
     let border = level.region();
     let mut mesh = Mesh::default();
-    mesh.colored_vertex(places.point(level.eye()), REGION);
+    mesh.colored_vertex(places.point(level.eye), REGION);
     border.iter().for_each(|&at| mesh.colored_vertex(places.point(at), REGION));
     let count = border.len() as u32;
     (0..count).for_each(|i| mesh.add_triangle(0, 1 + i, 1 + (i + 1) % count));

@@ -40,7 +40,8 @@ pub struct Level {
     pub doors: Vec<(u32, u32)>,
     scene: Scene,
     guards: Vec<Guard>,
-    eye: Vec2,
+    /// Where the eye is.
+    pub eye: Vec2,
     query: Query,
     fov: FieldOfView,
     /// The tiles that the eye sees.
@@ -98,9 +99,6 @@ impl Level {
     }
 
     /// A floor plan with guards.
-    ///
-    /// # Errors
-    /// As [`Self::new`]; none for any seed that was tried.
     pub fn floor_plan(seed: u64) -> Result<Self, Failed> {
         Self::new(&format!("rooms-{seed}"), Drawing::rooms(72, 40, seed), seed)
     }
@@ -108,11 +106,6 @@ impl Level {
     /// The map's size in tiles.
     pub fn size(&self) -> (u32, u32) {
         (self.layer.opaque().width(), self.layer.opaque().height())
-    }
-
-    /// Where the eye is.
-    pub fn eye(&self) -> Vec2 {
-        self.eye
     }
 
     /// The visible region.
@@ -137,9 +130,6 @@ impl Level {
     }
 
     /// A frame passes, and the eye goes to a place, or as near as walls let it.
-    ///
-    /// # Errors
-    /// As those of the library; none in any level that there is.
     pub fn step(&mut self, to: Vec2) -> Result<(), Failed> {
         self.eye = self.slide(to);
         for i in 0..self.guards.len() {
@@ -218,25 +208,25 @@ mod tests {
         for _ in 0..400 {
             let far = Vec2::new(width as f32, height as f32);
             let to = far * Vec2::new(random.random_range(-0.2..1.2), random.random_range(-0.2..1.2));
-            let from = level.eye();
+            let from = level.eye;
             level.step(to).unwrap();
-            assert!(level.is_free(level.eye()), "{to}");
+            assert!(level.is_free(level.eye), "{to}");
             // Along each axis alone, no wall lies between.
-            let corner = Vec2::new(level.eye().x, from.y);
-            for (a, b) in [(from, corner), (corner, level.eye())] {
+            let corner = Vec2::new(level.eye.x, from.y);
+            for (a, b) in [(from, corner), (corner, level.eye)] {
                 assert!((0..=1000).all(|i| level.is_free(a.lerp(b, i as f32 / 1000.0))), "{from} {to}");
             }
             for (at, visible) in level.guards() {
                 assert!(level.is_free(at), "guards walk on free tiles");
                 // A line of sight to the middle of a guard that no wall touches.
-                let sees = (0..=4000).all(|i| level.is_free(level.eye().lerp(at, i as f32 / 4000.0)));
-                assert!(visible || !sees, "{at} from {}", level.eye());
+                let sees = (0..=4000).all(|i| level.is_free(level.eye.lerp(at, i as f32 / 4000.0)));
+                assert!(visible || !sees, "{at} from {}", level.eye);
                 *if visible { &mut seen } else { &mut hidden } += 1;
             }
         }
         assert!(seen > 100 && hidden > 100, "{seen} {hidden}");
-        let before = level.eye();
+        let before = level.eye;
         level.step(Vec2::NAN).unwrap();
-        assert_eq!(level.eye(), before);
+        assert_eq!(level.eye, before);
     }
 }

@@ -29,7 +29,7 @@ impl Shows for Options {
         let (gpu, folder) = self.common.studio("plane")?;
         let film = Film::new(&gpu, self.common.size, false);
         for _ in 0..self.common.frames.unwrap_or(FRAMES) {
-            level.step(level.eye())?;
+            level.step(level.eye)?;
         }
         let mut panel = Panel::new(&gpu, COLOUR);
         draw::picture(&mut panel, (&gpu, &film.canvas.picture(), 1.0), &level);

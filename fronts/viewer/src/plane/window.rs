@@ -60,7 +60,7 @@ impl Demo for Viewer {
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
         if self.behind >= FRAME_SECONDS {
             self.behind -= FRAME_SECONDS;
-            let to = self.level.eye() + std::mem::take(&mut self.to);
+            let to = self.level.eye + std::mem::take(&mut self.to);
             if !self.paused {
                 self.level.step(to)?;
             }

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use casca::{Aabb, Method, ObjectDesc, Query, Scene, View, cell_for};
 use casca_points::Camera;
-use casca_points::bricks::{BrickError, Bricks, BuildOptions, Builder, Loader};
-use casca_points::files::{FileError, read_chunks};
+use casca_points::bricks::{Bricks, BuildOptions, Builder, Loader};
+use casca_points::files::read_chunks;
 use casca_stage::timing::Instant;
 use casca_stage::window::Done;
 use casca_tools::command_line::say;
@@ -28,18 +28,10 @@ pub struct Cut {
     out: PathBuf,
 }
 
-#[derive(Debug, thiserror::Error)]
-enum CutError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Brick(#[from] BrickError),
-}
-
 impl Cut {
     pub fn run(&self) -> Done {
         let mut builder = Builder::create(&self.out, BuildOptions::default())?;
-        let report = read_chunks::<CutError>(&self.file, 1 << 20, |cloud| Ok(builder.push(&cloud)?))?;
+        let report = read_chunks::<Failed>(&self.file, 1 << 20, |cloud| Ok(builder.push(&cloud)?))?;
         let skipped = report.skipped;
         warned(report);
         builder.finish(|_, _| ())?;

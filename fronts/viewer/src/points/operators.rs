@@ -130,7 +130,11 @@ impl Looked {
     pub fn visible(&self, operator: Operator, camera: &Camera) -> Result<(BitVec, Duration), Box<dyn Error>> {
         let start = Instant::now();
         let visible = match operator {
-            Operator::Discs => Surface::new(&self.turned())?.visible(camera.eye().as_dvec3())?,
+            Operator::Discs => {
+                let (positions, normals) = (self.positions.clone(), self.normals.clone());
+                let turned = PointCloud { positions, normals, ..Default::default() };
+                Surface::new(&turned)?.visible(camera.eye().as_dvec3())?
+            }
             Operator::Splat => splat::visible_points(&self.positions, camera, &self.auto.splats())?,
             Operator::Hpr => {
                 let points: Vec<DVec3> = self.positions.iter().map(|p| p.as_dvec3()).collect();
@@ -139,12 +143,6 @@ impl Looked {
             }
         };
         Ok((visible, start.elapsed()))
-    }
-
-    /// The cloud with y upwards, around the origin that positions here are relative to.
-    fn turned(&self) -> PointCloud {
-        let (positions, normals) = (self.positions.clone(), self.normals.clone());
-        PointCloud { positions, normals, ..Default::default() }
     }
 }
 

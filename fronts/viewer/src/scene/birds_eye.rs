@@ -25,9 +25,6 @@ const FOV_Y_WHOLE: f32 = 32.0;
 /// What is drawn of a frame: objects, marks over them, and the meanings of their colours. `lost` are
 /// the objects that a check found missing. From above all objects have the colours of their roles, and
 /// the legend counts those in the picture of `watcher`; else those that are visible have their own.
-///
-/// # Errors
-/// As [`Overlays::in_frustum`].
 pub fn drawn(
     frame: &Frame<'_>,
     overlays: &mut Overlays,

@@ -24,7 +24,7 @@ pub struct Check {
 pub struct Shot {
     /// Red, green, blue, opacity, row by row.
     pub pixels: Vec<u8>,
-    /// The number of the object in each pixel.
+    /// The number of the object in each pixel, or [`NO_ITEM`].
     pub items: Vec<u32>,
 }
 
@@ -53,24 +53,16 @@ impl Painter<'_> {
         self.renderer.draw(self.gpu, Output::Picture, &self.canvas.picture(), camera, list, marks);
     }
 
-    /// Draws the item buffer and reads it: the number of the object in each pixel, or [`NO_ITEM`].
-    ///
-    /// # Errors
-    /// As [`Gpu::read`].
-    pub fn items(&mut self, camera: &Camera, list: &DrawList) -> Result<Vec<u32>, GpuError> {
-        let marks = Marks::default();
-        self.renderer.draw(self.gpu, Output::Items, &self.canvas.items(), camera, list, &marks);
-        self.canvas.read_items(self.gpu)
-    }
-
     /// Draws the picture and the item buffer and reads both.
     ///
     /// # Errors
     /// As [`Gpu::read`].
     pub fn shot(&mut self, camera: &Camera, list: &DrawList) -> Result<Shot, GpuError> {
-        self.picture(camera, list, &Marks::default());
+        let marks = Marks::default();
+        self.picture(camera, list, &marks);
         let pixels = self.canvas.read_picture(self.gpu)?;
-        Ok(Shot { pixels, items: self.items(camera, list)? })
+        self.renderer.draw(self.gpu, Output::Items, &self.canvas.items(), camera, list, &marks);
+        Ok(Shot { pixels, items: self.canvas.read_items(self.gpu)? })
     }
 
     /// Compares a set, ascending, with what an item buffer of all objects shows.

@@ -31,9 +31,6 @@ pub fn haze(playback: &Playback) -> f32 {
 
 /// Draws the path of a scene into PNG files, each frame checked by an item buffer; returns how many
 /// visible objects were lost, over all pictures.
-///
-/// # Errors
-/// What is drawn cannot be had or written.
 pub fn pictures(
     gpu: &Gpu,
     playback: &mut Playback,

@@ -1,18 +1,18 @@
 //! Scenes: draws exactly the objects that casca finds visible, in a window or into pictures, and
 //! proves pixel by pixel that none is missing.
 //!
-//! How casca is wired into a render loop is in [`frame_loop`].
+//! How casca is wired into a render loop is in `frame_loop`.
 
-pub mod birds_eye;
-pub mod camera_fit;
+mod birds_eye;
+mod camera_fit;
 pub mod draw;
-pub mod frame_loop;
-pub mod geometry;
-pub mod headless;
-pub mod legend;
+mod frame_loop;
+mod geometry;
+mod headless;
+mod legend;
 mod options;
-pub mod overlays;
-pub mod panel;
+mod overlays;
+mod panel;
 pub mod playback;
 pub mod proof;
 pub mod renderer;
@@ -27,7 +27,7 @@ use crate::scene::options::FRAMES;
 use crate::scene::playback::{Method, Playback};
 use crate::scene::window::First;
 
-pub use options::Options;
+pub(crate) use options::Options;
 
 impl Shows for Options {
     fn common(&self) -> &Common {

@@ -53,9 +53,6 @@ impl Overlays {
     }
 
     /// The marks of all layers that are on, and of objects that were lost.
-    ///
-    /// # Errors
-    /// As [`view_of`] and [`Query::with_method`].
     pub fn marks(&mut self, frame: &Frame<'_>, lost: &[usize]) -> Result<Marks, casca::Error> {
         let mut marks = Marks::default();
         if self.is_on(Layer::Hidden) {
@@ -82,9 +79,6 @@ impl Overlays {
     }
 
     /// The objects in the frustum that are not drawn, ascending.
-    ///
-    /// # Errors
-    /// As [`view_of`] and [`Query::with_method`].
     pub fn culled(&mut self, frame: &Frame<'_>) -> Result<Vec<usize>, casca::Error> {
         let mut culled = self.in_frustum(frame.scene, &frame.camera)?;
         culled.retain(|i| frame.visible.binary_search(i).is_err());
@@ -92,9 +86,6 @@ impl Overlays {
     }
 
     /// The objects in the frustum of a camera, ascending.
-    ///
-    /// # Errors
-    /// As [`view_of`] and [`Query::with_method`].
     pub fn in_frustum(&mut self, scene: &Scene, camera: &Camera) -> Result<Vec<usize>, casca::Error> {
         let query = match &mut self.frustum {
             Some(query) => query,

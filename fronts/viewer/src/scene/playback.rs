@@ -105,7 +105,7 @@ impl Playback {
     /// Runs the frame loop once: culls for `camera` by `method` and has `draw` draw it.
     ///
     /// # Errors
-    /// As [`frame_loop::frame`].
+    /// As `frame_loop::frame`.
     pub fn frame(
         &mut self,
         method: Method,
