@@ -222,7 +222,9 @@ pub(crate) fn sync(
     if let Some(by) = shifted.map(Vec3A::from) {
         for Mover { at, around, .. } in movers.values_mut() {
             at.translation -= by;
-            *around = (around.0 - by, around.1 - by);
+            // Its corners were rounded where it was.
+            let room = border::rounding(around.0.abs().max(around.1.abs()) + by.abs());
+            *around = (around.0 - by - room, around.1 - by + room);
         }
     }
     let deferred = deferred.as_deref().copied().unwrap_or_default();
