@@ -17,16 +17,12 @@ proptest! {
         let mut image = vec![f32::INFINITY; (size.0 * size.1) as usize];
         for (x, y, magnitude, half, depth) in squares {
             let side = |at: f32, size: u32| ((f64::from(at) + 1.0) * f64::from(size * 128)) as i32;
-            let (x, y) = (side(x, size.0), side(y, size.1));
-            let half = half >> magnitude;
             // A farther one that begins at the same pixel is a pixel wider.
             for (more, depth) in [(0, f32::from(depth)), (128, f32::from(depth) + 0.5)] {
-                let (x, y, half) = (x + more, y + more, half + more);
+                let (x, y) = (side(x, size.0) + more, side(y, size.1) + more);
+                let half = (half >> magnitude) + more;
                 drawn.draw(&[x], &[y], &[half], &[depth]);
-                let covers = |pixel: u32, at: i32| {
-                    let (low, high) = (pixel as i32 * 256, pixel as i32 * 256 + 255);
-                    low <= at + half && high >= at - half
-                };
+                let covers = |pixel: u32, at: i32| (-half - 255..=half).contains(&(pixel as i32 * 256 - at));
                 for (i, pixel) in (0..).zip(&mut image) {
                     if covers(i % size.0, x) && covers(i / size.0, y) {
                         *pixel = pixel.min(depth);

@@ -113,7 +113,7 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     for (disc, &i) in order.iter().enumerate() {
         groups[i as usize].iter().for_each(|&point| disc_of[point as usize] = disc as u32);
     }
-    Ok(Discs { discs, tree, disc_of, margins, frame })
+    Ok(Discs { discs, tree, disc_of, margins, frame, show_strays: true })
 }
 
 /// The side of the square that a point stands for, by its neighbours, nearest first.

@@ -17,6 +17,8 @@ pub(super) struct Discs {
     pub disc_of: Vec<u32>,
     pub margins: Margins,
     pub frame: Frame,
+    /// Whether points of no surface are visible where nothing hides them.
+    pub show_strays: bool,
 }
 
 /// Most discs of a leaf of the tree, and the cost of a step from node to node in tests of discs: the

@@ -99,8 +99,16 @@ impl Surface {
         Ok(self.0.disc_of.iter().map(|&disc| visible[disc as usize]).collect())
     }
 
-    /// The points that seem to be on no surface: a bit for each point. They hide nothing, and are
-    /// visible where nothing hides them. In sparse scans some of thin leaves and wires are taken for such.
+    /// Whether points that are on no surface are visible where nothing hides them, as they are by
+    /// default, or never. They hide nothing.
+    #[must_use]
+    pub fn with_strays(mut self, shown: bool) -> Self {
+        self.0.show_strays = shown;
+        self
+    }
+
+    /// The points that seem to be on no surface: a bit for each point. In sparse scans some of thin
+    /// leaves and wires are taken for such.
     pub fn strays(&self) -> BitVec {
         self.0.disc_of.iter().map(|&disc| self.0.discs[disc as usize].disc().stray).collect()
     }

@@ -110,6 +110,9 @@ impl Discs {
     /// rim of a plate, nor is the far side of a plate.
     fn is_seen(&self, eye: DVec3, i: usize) -> bool {
         let disc = &self.discs[i].disc();
+        if disc.stray && !self.show_strays {
+            return false;
+        }
         let start = start(eye, disc.at);
         if start == disc.at {
             return true;

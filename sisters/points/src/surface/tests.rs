@@ -228,7 +228,7 @@ fn the_answer_moves_with_the_cloud() {
 }
 
 #[test]
-fn strays_are_found_and_hide_nothing() {
+fn strays_hide_nothing_and_are_shown_or_not() {
     // A wall of one unit a point, and points of the air before it: some alone, some in threes.
     let part = rectangle(Vec3::new(-30.0, -30.0, 0.0), Vec3::X * 60.0, Vec3::Y * 60.0, Vec3::Z);
     let wall = part.0.len();
@@ -246,8 +246,9 @@ fn strays_are_found_and_hide_nothing() {
         let strays = surface.strays();
         let found = strays[wall..].count_ones();
         assert!(!strays[..wall].any() && 10 * found >= 9 * (cloud.len() - wall), "{found} found");
-        let shown = surface.visible(eye).unwrap();
+        let (shown, not) = (surface.visible(eye).unwrap(), surface.clone().with_strays(false));
         assert!(shown[..wall].count_zeros() < 36, "{} hidden", shown[..wall].count_zeros());
+        assert_eq!(not.visible(eye).unwrap(), shown & !strays);
         // The wall hides them.
         assert!(!surface.visible(-eye).unwrap()[wall..].any());
     }
