@@ -99,8 +99,8 @@ pub(crate) const SPHERE_AROUND_EYE: f64 = 1e-6;
 /// difference of two doubles that.
 pub(crate) const PLANE_BEHIND_PLANE: f64 = 1e-8;
 
-/// A target is inside a ball or behind a plane by this share of the coordinates: sums of three
-/// products and a root err by less than 1e-15 of them.
+/// A solid inside a shell is scaled up by this share more, to contain the shell: sums of three
+/// products and a root err by less than 1e-15 of the coordinates.
 pub(crate) const BEHIND: f64 = 1e-9;
 
 /// Relative rounding of a nearness to single precision, beside one step of its last digit.
@@ -124,8 +124,8 @@ pub(crate) const EDGE_ROUNDING: f64 = 4e-15;
 pub(crate) const EDGE_FLAT: f64 = 1e4;
 pub(crate) const FLAT: f32 = 1024.0;
 
-/// Edges are drawn in single precision if the magnitudes of their coordinates in pixels sum to less
-/// than this.
+/// Edges are drawn as they are if the magnitudes of their coordinates in pixels sum to less than
+/// this, others only near the area: edges are drawn in single precision.
 pub(crate) const FAR_PIXEL: f32 = 65_536.0;
 
 /// Coordinates of pixels in single precision, and the columns that an edge passes, err by less than

@@ -7,7 +7,6 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::body::Body;
-use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Part;
 use crate::geometry::{Block, Room};
 use crate::grid::side::Side;
@@ -15,7 +14,7 @@ use crate::numeric::occlusion::{MIDDLE_DEPTH, NEAREST_IN_REACHES};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
-use crate::occlusion::solid::{Shadow, Solid};
+use crate::occlusion::solid::Solid;
 use crate::occlusion::surface::projector::Viewpoint;
 use crate::occlusion::surface::scratch::SurfaceScratch;
 use crate::occlusion::target::{FaceTarget, Target};
@@ -49,10 +48,6 @@ fn side_through(point: DVec3) -> usize {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
-    /// For each occluder drawn, where it hides: the end of its planes in the list of all, and a
-    /// ball.
-    shadows: Vec<(u32, Option<(DVec3, f64)>)>,
-    shadow_planes: Vec<HalfSpace>,
     /// Memory for the one that is drawn.
     solid: Solid,
     surfaces: SurfaceScratch,
@@ -70,8 +65,6 @@ pub(crate) struct OcclusionBuffers {
 impl OcclusionBuffers {
     /// Clears the windows that a view looks through.
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
-        self.shadows.clear();
-        self.shadow_planes.clear();
         self.room = if view.eye().is_some() { *view.room() } else { Room::NONE };
         self.limit = pitch.nearest * 0.5;
         // Without planes the windows are wide enough for every target.
@@ -100,8 +93,6 @@ impl OcclusionBuffers {
     /// Takes over what other buffers hide. They may be drawn to, but tests find no single occluders
     /// in them: refinement and tests of single points need the buffers themselves.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
-        self.shadows.clear();
-        self.shadow_planes.clear();
         (self.origin, self.error, self.room) = (from.origin, from.error, from.room);
         (self.direction, self.nearest, self.limit) = (from.direction, from.nearest, from.limit);
         self.pixels = from.pixels;
@@ -175,14 +166,6 @@ impl OcclusionBuffers {
         Viewpoint { origin: self.origin, limit: self.limit, room: self.room }
     }
 
-    /// Where a convex occluder hides, by its number in the order of drawing.
-    pub(crate) fn shadow(&self, solid: u32) -> Shadow<'_> {
-        let at = solid as usize;
-        let first = if at == 0 { 0 } else { self.shadows[at - 1].0 as usize };
-        let (end, ball) = self.shadows[at];
-        Shadow { planes: &self.shadow_planes[first..end as usize], ball }
-    }
-
     /// The faces that the view looks through, and the memory for drawing surfaces.
     pub(crate) fn surfaces_mut(&mut self) -> (impl Iterator<Item = &mut FaceBuffer>, &mut SurfaceScratch) {
         (self.faces.iter_mut().filter(|b| b.is_active()), &mut self.surfaces)
@@ -232,18 +215,9 @@ impl OcclusionBuffers {
     }
 
     fn draw_solid(&mut self, owner: Slot) -> bool {
-        let index = self.shadows.len() as u32;
         let mut changed = false;
-        let mut used = false;
         for buffer in self.faces.iter_mut().filter(|b| b.is_active()) {
-            let (drawn, new) = buffer.draw(&self.solid, index, owner);
-            used |= drawn;
-            changed |= new;
-        }
-        if used {
-            let Shadow { planes, ball } = self.solid.shadow();
-            self.shadow_planes.extend_from_slice(planes);
-            self.shadows.push((self.shadow_planes.len() as u32, ball));
+            changed |= buffer.draw(&self.solid, owner);
         }
         changed
     }
@@ -270,16 +244,10 @@ impl OcclusionBuffers {
         self.faces().any(|b| b.leaves_open(b.face().local(point)))
     }
 
-    /// Whether a point of a target lies in an open pixel inside the view, before all convex
-    /// occluders but those of its owner.
+    /// Whether a point of a target lies in an open pixel inside the frustum, before all patches that
+    /// may hide it and all convex occluders but those of its owner: then any examination finds it.
     pub(crate) fn shows(&self, point: DVec3, owner: Slot) -> bool {
-        self.faces().any(|b| b.shows(b.face().local(point), owner))
-    }
-
-    /// As [`OcclusionBuffers::shows`], inside the frustum and before all patches that may hide it:
-    /// then any examination finds it.
-    pub(crate) fn shows_plainly(&self, point: DVec3, owner: Slot) -> bool {
-        let shows = |b: &FaceBuffer| b.is_active() && b.shows_plainly(b.face().local(point), owner);
+        let shows = |b: &FaceBuffer| b.is_active() && b.shows(b.face().local(point), owner);
         if self.direction.is_some() {
             return self.faces.iter().any(shows);
         }

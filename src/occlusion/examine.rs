@@ -15,9 +15,8 @@ use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::magnify::budget::Budget;
-use crate::occlusion::magnify::{Hand, Magnifier, OpenSquare, Redrawable};
+use crate::occlusion::magnify::{Hand, Magnifier};
 use crate::occlusion::refine::Search;
-use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
 
 /// The limits of refinement for one target.
@@ -68,16 +67,15 @@ const FEW_OPEN: usize = 6;
 const SQUARES: u32 = PointOptions::new().refine_squares;
 
 /// The examination of one target.
-pub(crate) struct Examination<'a, 'p, F> {
+pub(crate) struct Examination<'a, 'p> {
     pub(crate) buffers: &'a OcclusionBuffers,
     pub(crate) magnifier: &'a Magnifier,
     pub(crate) hand: &'a mut Hand,
-    pub(crate) patches: &'a Redrawable<F>,
     pub(crate) effort: Effort,
     pub(crate) budget: &'a mut Budget<'p>,
 }
 
-impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
+impl Examination<'_, '_> {
     /// Whether a target is hidden for certain. `owner` is its object.
     pub(crate) fn hides(&mut self, target: &Target, owner: Slot) -> bool {
         if self.buffers.is_close(target.bounds()) {
@@ -94,7 +92,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
             let rest = self.budget.squares.min(u64::from(u32::MAX)) as u32;
             let mut search = Search::new(buffer, &on_face, owner, left.min(rest), self.effort.depth);
             let before = search.squares;
-            let hidden = self.hides_on_face(&mut search, target, face, &mut open);
+            let hidden = self.hides_on_face(&mut search, face, &mut open);
             left -= before - search.squares;
             self.budget.squares = self.budget.squares.saturating_sub(search.spent);
             hidden
@@ -103,22 +101,13 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         hidden
     }
 
-    fn hides_on_face(
-        &mut self,
-        search: &mut Search,
-        target: &Target,
-        face: usize,
-        open: &mut Vec<OpenSquare>,
-    ) -> bool {
-        if !self.find_open(search, open) {
-            return false;
-        }
-        open.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
+    fn hides_on_face(&mut self, search: &mut Search, face: usize, open: &mut Vec<(i64, i64)>) -> bool {
+        self.find_open(search, open) && open.iter().all(|&pixel| self.hides_in_pixel(search, face, pixel))
     }
 
     /// Finds the pixels that leave the target undecided. Returns false if it is seen, or if they are
     /// too many.
-    fn find_open(&self, search: &mut Search, open: &mut Vec<OpenSquare>) -> bool {
+    fn find_open(&self, search: &mut Search, open: &mut Vec<(i64, i64)>) -> bool {
         open.clear();
         let (mut seen, mut tries) = (false, 0);
         let (buffer, on_face) = (search.buffer, search.target);
@@ -129,7 +118,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
                 tries += 1;
                 seen = search.direction_is_seen(u, v, (x, y));
             }
-            open.push((x, y, *rect));
+            open.push((x, y));
             let patched = open.len() > most_patched && buffer.has_patches((x, y));
             seen |= patched || open.len() > most;
             seen
@@ -138,27 +127,16 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
     }
 
     /// Whether the target is hidden in a pixel, which is magnified.
-    fn hides_in_pixel(
-        &mut self,
-        search: &mut Search,
-        target: &Target,
-        face: usize,
-        &(x, y, ref rect): &OpenSquare,
-    ) -> bool {
-        let (buffer, on_face) = (search.buffer, search.target);
+    fn hides_in_pixel(&mut self, search: &mut Search, face: usize, pixel: (i64, i64)) -> bool {
         let with = (&mut *self.hand, &mut self.budget.patches);
-        let magnified = self.magnifier.magnify(self.buffers, (face, buffer), (x, y), self.patches, with);
-        let (pixel, solids) = (magnified.search(rect, on_face), magnified.solids);
-        if pixel.open == 0 {
-            return true;
-        }
-        if search.squares == 0 || solids.is_empty() {
+        let magnified = self.magnifier.magnify(self.buffers, (face, search.buffer), pixel, with);
+        let Some(open) = magnified.search(search.target) else { return true };
+        if search.squares == 0 || magnified.solids.is_empty() {
             return false;
         }
         let mut candidates = std::mem::take(&mut self.hand.candidates);
-        let shared = (self.buffers, target);
-        let contest = search.contest(shared, solids, &pixel.open_rect(), &mut candidates);
-        let hidden = search.is_covered(&pixel, &contest);
+        let contest = search.contest(magnified.solids, &open, &mut candidates);
+        let hidden = search.is_covered(&open, &contest);
         if hidden {
             self.hand.compared.extend(contest.owners());
         }
@@ -203,7 +181,6 @@ mod tests {
     fn shared_pixels_hide_only_what_rays_find_behind_occluders() {
         let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
         let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
-        let patches = Redrawable { drawable: |_: u32| None::<Drawable<'_>> };
         let effort = Effort { squares: 256, depth: 6 };
         let mut random = Random::new(11);
         let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());
@@ -226,7 +203,6 @@ mod tests {
                     buffers: &buffers,
                     magnifier: &magnifier,
                     hand: &mut hand,
-                    patches: &patches,
                     effort,
                     budget: &mut budget,
                 };

@@ -45,35 +45,19 @@ impl Ball {
         }
     }
 
-    /// The depth at which a direction enters; `None` if it barely does or not at all, or
-    /// if the eye is about as close as coordinates are exact.
-    #[inline]
-    fn enters(&self, u: f64, v: f64) -> Option<f64> {
-        let c = self.center;
-        if self.across > 0.0 {
-            let (du, dv) = ((u - c.x) / self.across, (v - c.y) / self.across);
-            let q = 1.0 - (du * du + dv * dv);
-            return (q > BALL_OUTLINE).then(|| c.z - self.radius * q.sqrt());
-        }
-        let s = u * c.x + v * c.y + c.z;
-        let d2 = u * u + v * v + 1.0;
-        let q = s * s - d2 * self.power;
-        // The root keeps more than half of its digits.
-        (s > 0.0 && q > BALL_OUTLINE * s * s && self.power > BALL_NEAR_EYE * s * s)
-            .then(|| self.power / (s + q.sqrt()))
-    }
-}
-
-impl Ball {
-    /// Nearness where a direction enters; not a number where [`Ball::enters`] finds none.
+    /// Nearness where a direction enters; not a number if it barely does or not at all, or if the
+    /// eye is about as close as coordinates are exact.
     #[inline]
     fn nearness(&self, u: f64, v: f64) -> f64 {
         let c = self.center;
         if self.across > 0.0 {
-            return self.enters(u, v).map_or(f64::NAN, |z| -z);
+            let (du, dv) = ((u - c.x) / self.across, (v - c.y) / self.across);
+            let q = 1.0 - (du * du + dv * dv);
+            return if q > BALL_OUTLINE { self.radius * q.sqrt() - c.z } else { f64::NAN };
         }
         let s = u * c.x + v * c.y + c.z;
         let q = s * s - (u * u + v * v + 1.0) * self.power;
+        // The root keeps more than half of its digits.
         let known = (s > 0.0) & (q > BALL_OUTLINE * s * s) & (self.power > BALL_NEAR_EYE * s * s);
         if known { (s + q.sqrt()) / self.power } else { f64::NAN }
     }
@@ -148,9 +132,10 @@ impl Front {
     /// Nearness of the front in one direction that is in the silhouette, but for rounding.
     pub(crate) fn at(&self, u: f64, v: f64) -> f64 {
         match &self.ball {
-            Some(ball) => {
-                ball.enters(u, v).map_or(self.floor, |z| if ball.across > 0.0 { -z } else { 1.0 / z })
-            }
+            Some(ball) => match ball.nearness(u, v) {
+                near if near.is_nan() => self.floor,
+                near => near,
+            },
             None => self.planes.iter().map(|p| p.at(u, v)).fold(f64::INFINITY, f64::min),
         }
     }
@@ -171,15 +156,17 @@ impl Front {
         if c.z > 0.0 {
             (u, v) = ((c.x / c.z).clamp(r.u0, r.u1), (c.y / c.z).clamp(r.v0, r.v1));
         }
-        let mut enters = ball.enters(u, v);
-        if enters.is_none() && c.z > 0.0 {
+        let mut near = ball.nearness(u, v);
+        if near.is_nan() && c.z > 0.0 {
             let (du, dv) = (c.x / c.z - u, c.y / c.z - v);
             let step = (2.0 * (r.u1 - r.u0 + r.v1 - r.v0) / (du.abs() + dv.abs())).min(1.0);
             (u, v) = (u + du * step, v + dv * step);
-            enters = ball.enters(u, v);
+            near = ball.nearness(u, v);
         }
-        let Some(z) = enters else { return f64::INFINITY };
-        let n = ball.center - DVec3::new(u, v, 1.0) * z;
+        if near.is_nan() {
+            return f64::INFINITY;
+        }
+        let n = ball.center - DVec3::new(u, v, 1.0) / near;
         let h = n.dot(ball.center) - ball.radius * n.length();
         if h <= TANGENT_NEAR_EYE * n.length() * ball.center.length() {
             return f64::INFINITY;

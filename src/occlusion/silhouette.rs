@@ -110,11 +110,6 @@ impl LocalSilhouette<'_> {
         halves.get(CHOSEN..).is_none_or(|more| more.iter().all(test))
     }
 
-    /// Whether it is that of a sphere.
-    pub(crate) fn is_conic(&self) -> bool {
-        self.silhouette.is_conic()
-    }
-
     /// The half-planes that matter, for [`Silhouette::local`].
     pub(crate) fn among(&self) -> u64 {
         self.among
@@ -207,11 +202,6 @@ impl Silhouette {
                 SilhouetteKind::Polygon
             }
         };
-    }
-
-    /// Whether it is that of a sphere.
-    pub(crate) fn is_conic(&self) -> bool {
-        matches!(self.kind, SilhouetteKind::Conic { .. })
     }
 
     /// Whether a direction is inside by more than `margin`, in units of the conic or of distance.

@@ -12,15 +12,6 @@ use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::front::contour_depth;
 use crate::occlusion::silhouette::SilhouetteKind;
 
-/// The space behind the front of a solid. The solid hides all of it that its silhouette covers.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shadow<'a> {
-    /// Inside all of these half-spaces;
-    pub(crate) planes: &'a [HalfSpace],
-    /// or inside this ball.
-    pub(crate) ball: Option<(DVec3, f64)>,
-}
-
 /// A convex occluder relative to the origin of the rays. It is filled again for each one; methods
 /// that do so return whether it can be drawn: the eye must not be in it or too close to tell.
 ///
@@ -98,15 +89,6 @@ impl Solid {
 
     pub(crate) fn aspect(&self) -> &Aspect {
         &self.aspect
-    }
-
-    /// Where it hides.
-    pub(crate) fn shadow(&self) -> Shadow<'_> {
-        let ball = match self.aspect.outline {
-            Outline::Sphere { center, radius } => Some((center, radius)),
-            _ => None,
-        };
-        Shadow { planes: &self.aspect.fronts, ball }
     }
 
     /// The part of it that a face sees.

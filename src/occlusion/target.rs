@@ -4,14 +4,12 @@ use glam::DVec3;
 
 use crate::geometry::aspect::{Aspect, Outline};
 use crate::geometry::body::Body;
-use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Part;
 use crate::geometry::{Block, Room};
-use crate::numeric::occlusion::{BEHIND, above};
+use crate::numeric::occlusion::above;
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::front::Front;
 use crate::occlusion::silhouette::Silhouette;
-use crate::occlusion::solid::Shadow;
 
 /// The bounds of a tested object, relative to the origin of the rays.
 #[derive(Debug, Clone, Default)]
@@ -100,35 +98,5 @@ impl Target {
         seen.front.set(face, &self.aspect, f64::INFINITY, self.aspect.largest());
         (seen.rect, seen.near) = (rect, above(face.nearness_of(depth)));
         true
-    }
-
-    /// Whether all of the target lies behind the front of a solid: behind its planes, or inside its
-    /// ball. Then the solid hides every part of the target that its silhouette covers.
-    pub(crate) fn is_behind(&self, shadow: Shadow) -> bool {
-        let inside = shadow.ball.is_some_and(|(center, radius)| {
-            let farthest = match &self.aspect.outline {
-                Outline::Sphere { center: own, radius: r } => (*own - center).length() + r,
-                _ => (self.aspect.block.min - center)
-                    .abs()
-                    .max((self.aspect.block.max - center).abs())
-                    .length(),
-            };
-            farthest <= radius - BEHIND * (radius + center.abs().max_element())
-        });
-        inside
-            || shadow.planes.iter().all(|&HalfSpace { normal: n, offset: h }| {
-                let most = match &self.aspect.outline {
-                    Outline::Sphere { center, radius } => -n.dot(*center) + radius,
-                    _ if !self.aspect.vertices.is_empty() => {
-                        self.aspect.vertices.iter().map(|v| -n.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
-                    }
-                    _ => -n.dot(DVec3::select(
-                        n.cmple(DVec3::ZERO),
-                        self.aspect.block.max,
-                        self.aspect.block.min,
-                    )),
-                };
-                most <= h - BEHIND * (self.aspect.largest() + h.abs())
-            })
     }
 }

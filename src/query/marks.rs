@@ -23,11 +23,6 @@ impl Marks {
         }
     }
 
-    /// The number of the running query. It starts at 1 again after two billion queries.
-    pub(crate) fn epoch(&self) -> u32 {
-        self.epoch
-    }
-
     pub(crate) fn is_decided(&self, slot: Slot) -> bool {
         self.marks[slot.index()] == self.epoch * 2 + 1
     }

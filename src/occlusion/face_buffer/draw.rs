@@ -15,13 +15,12 @@ use crate::occlusion::tiles::TILE;
 use crate::simd::vectorized;
 
 impl FaceBuffer {
-    /// Draws an occluder, `index` in the list of shadows. Returns whether the face sees it, and
-    /// whether it hides more than before.
-    pub(crate) fn draw(&mut self, solid: &Solid, index: u32, owner: Slot) -> (bool, bool) {
-        let Some(seen) = solid.on_face(&self.face) else { return (false, false) };
+    /// Draws an occluder. Returns whether it hides more than before.
+    pub(crate) fn draw(&mut self, solid: &Solid, owner: Slot) -> bool {
+        let Some(seen) = solid.on_face(&self.face) else { return false };
         let pixels = self.window.touched_by(&seen.rect);
         if pixels.is_empty() {
-            return (false, false);
+            return false;
         }
         let nearest = above(self.face.nearness_of(seen.near));
         let number = self.drawn_count;
@@ -29,17 +28,17 @@ impl FaceBuffer {
         self.occluders.push(&pixels, Listed { drawn: number as u32, near: nearest, rect: seen.rect });
         if number == self.drawn.len() {
             let (silhouette, front) = (Silhouette::default(), Front::default());
-            self.drawn.push(DrawnSolid { silhouette, front, solid: index, owner });
+            self.drawn.push(DrawnSolid { silhouette, front, owner });
         }
         let drawn = &mut self.drawn[number];
-        (drawn.solid, drawn.owner) = (index, owner);
+        drawn.owner = owner;
         drawn.silhouette.set(solid.aspect(), &self.face);
         drawn.front.set(&self.face, solid.aspect(), seen.far, solid.aspect().largest());
         if !self.rows.set_inside(&drawn.silhouette, &self.window, &pixels) {
-            return (true, false);
+            return false;
         }
         let (coverage, window, rows, front) = (&mut self.coverage, &self.window, &self.rows, &drawn.front);
-        (true, vectorized!(simd => cover_rows(simd, coverage, window, rows, front, nearest)))
+        vectorized!(simd => cover_rows(simd, coverage, window, rows, front, nearest))
     }
 }
 
@@ -132,8 +131,8 @@ mod tests {
         for (i, body) in bodies.iter().enumerate() {
             assert!(solid.set_body(body, None, &Room::NONE));
             let mut buffer = buffer(64);
-            assert_eq!(buffer.draw(solid, 0, Slot::new(0)), (true, true));
-            assert_eq!(buffer.draw(solid, 1, Slot::new(0)), (true, false), "the second time nothing is new");
+            assert!(buffer.draw(solid, Slot::new(0)));
+            assert!(!buffer.draw(solid, Slot::new(0)), "the second time nothing is new");
             let window = *buffer.window();
             let mut covered = 0;
             for y in 0..64 {

@@ -23,8 +23,6 @@ use crate::occlusion::silhouette::Silhouette;
 pub(crate) struct DrawnSolid {
     pub(crate) silhouette: Silhouette,
     pub(crate) front: Front,
-    /// Index into the list of shadows.
-    pub(crate) solid: u32,
     /// The object that it was drawn for.
     pub(crate) owner: Slot,
 }

@@ -72,18 +72,9 @@ impl FaceBuffer {
         self.patches.any_around(x, y, |p| p.pixels.overlaps(&bin))
     }
 
-    /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex
-    /// occluders but those of its owner.
+    /// Whether a point, in coordinates of the face, lies in an open pixel, inside the frustum, before
+    /// all patches that may hide it and all convex occluders but those of its owner.
     pub(crate) fn shows(&self, p: DVec3, owner: Slot) -> bool {
-        self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
-            // Patches alone leave open few pixels that they hide, magnified.
-            self.occluders.len(self.occluders.index(pixel.0, pixel.1)) == 0
-                || !self.patch_may_hide(pixel, below(near)) && self.is_before(pixel, at, near, owner)
-        })
-    }
-
-    /// As [`FaceBuffer::shows`], inside the frustum and before all patches that may hide it.
-    pub(crate) fn shows_plainly(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
             !self.patch_may_hide(pixel, below(near))
                 && self.halves.iter().all(|half| half.at(at.0, at.1) >= 0.0)
@@ -169,7 +160,7 @@ mod tests {
         let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
         let mut solid = Solid::default();
         assert!(solid.set_body(&Body::Block(wall), None, &Room::NONE));
-        buffer.draw(&solid, 0, Slot::new(0));
+        buffer.draw(&solid, Slot::new(0));
         let target = |x: f64| {
             let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));
             let mut on_face = FaceTarget::default();

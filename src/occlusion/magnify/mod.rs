@@ -21,21 +21,18 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::coverage::Shades;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::search::search_tile;
-use crate::occlusion::face_buffer::{FaceBuffer, Listed};
+use crate::occlusion::face_buffer::{FaceBuffer, Listed, ListedPatch};
 use crate::occlusion::magnify::budget::Purse;
 use crate::occlusion::magnify::filled::Filled;
 use crate::occlusion::magnify::group::{Group, Tiles, place_in_group};
 use crate::occlusion::pixels::{PixelRect, Window};
-use crate::occlusion::refine::{Pixel, PixelOccluder};
-use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::kept::KeptPatches;
-use crate::occlusion::surface::local::{Listing, Local, Spot, Stores};
+use crate::occlusion::refine::PixelOccluder;
+use crate::occlusion::surface::local::{Local, Spot};
 use crate::occlusion::surface::near::{FINER, GROUP};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, Tile, block};
-use crate::simd::vectorized;
 
 /// A patch counts once more for this many sides.
 const SIDES: u64 = 32;
@@ -107,16 +104,11 @@ pub(crate) struct Magnifier {
     faces: Vec<FineFace>,
 }
 
-/// An open pixel and its square.
-pub(crate) type OpenSquare = (i64, i64, Rect);
-
 /// The memory of a thread that magnifies pixels.
 #[allow(clippy::vec_box, reason = "boxes move to the faces and back, so that runs allocate nothing")]
 #[derive(Debug, Default)]
 pub(crate) struct Hand {
-    /// By face, patches that the first pass did not project, since they are narrow.
-    late: Vec<KeptPatches>,
-    found: Vec<Listing>,
+    found: Vec<ListedPatch>,
     local: Local,
     /// The groups that it listed, by face and place, and memory for more.
     listed: Vec<(u32, u32)>,
@@ -128,7 +120,7 @@ pub(crate) struct Hand {
     pub(crate) target: Target,
     pub(crate) on_face: FaceTarget,
     /// The pixels in which it may be visible, and the occluders that reach into one of those.
-    pub(crate) open: Vec<OpenSquare>,
+    pub(crate) open: Vec<(i64, i64)>,
     pub(crate) candidates: Vec<PixelOccluder>,
     /// The pixels that targets asked for since this was emptied last.
     pub(crate) requests: Vec<Request>,
@@ -148,12 +140,6 @@ impl Clone for Hand {
     fn clone(&self) -> Self {
         Self::default()
     }
-}
-
-/// The patches that can be drawn again.
-pub(crate) struct Redrawable<F> {
-    /// Gives a patch by its number in the order of first drawing.
-    pub(crate) drawable: F,
 }
 
 /// A pixel of a face that is magnified.
@@ -180,11 +166,10 @@ impl Magnifier {
     /// Forgets all pixels, for another query, or for the same with more occluders drawn.
     pub(crate) fn clear(&mut self, hands: &mut [Hand], buffers: &OcclusionBuffers) {
         self.drop_tiles(hands, |_| false);
-        for Hand { listed, spare, late, .. } in hands {
+        for Hand { listed, spare, .. } in hands {
             // The first one comes first again, with the memory that it has.
             let groups = listed.drain(..).rev().map(|at| self.group_mut(at).take());
             spare.extend(groups.flatten());
-            late.iter_mut().for_each(KeptPatches::clear);
         }
         self.begin(buffers);
     }
@@ -271,12 +256,11 @@ impl Magnifier {
     }
 
     /// Magnifies a pixel. Patches that reach into its group are drawn unless the budget is less.
-    pub(crate) fn magnify<'a, F: Fn(u32) -> Option<Drawable<'a>>>(
+    pub(crate) fn magnify(
         &self,
         buffers: &OcclusionBuffers,
         (face, buffer): (usize, &FaceBuffer),
         at: (i64, i64),
-        patches: &Redrawable<F>,
         (hand, left): (&mut Hand, &mut Purse),
     ) -> Magnified<'_> {
         let (place, group) = self.group(face, buffer, at, hand);
@@ -285,7 +269,7 @@ impl Magnifier {
             hand.filled.push((face as u32, place));
             let mut tiles = hand.spare_tiles.pop().unwrap_or_default();
             let pixels = tiles.begin(buffer, at);
-            hand.draw_patches(buffers, (face, buffer), (at, pixels), &mut tiles, patches, left);
+            hand.draw_patches(buffers, (face, buffer), (at, pixels), &mut tiles, left);
             tiles
         });
         let (tile, shades) = tiles.pixel(buffer, (window, solids), at);
@@ -300,54 +284,39 @@ impl Magnifier {
     }
 }
 
-impl<'m> Magnified<'m> {
-    /// The pixel, with those of its finer pixels open that a target may touch. Without convex
-    /// occluders around, with one of those pixels at most.
-    pub(crate) fn search(&self, rect: &Rect, target: &FaceTarget) -> Pixel<'m> {
+impl Magnified<'_> {
+    /// A rectangle around those of its finer pixels that are open and that a target may touch, if
+    /// there are any. Without convex occluders around, one of them will do.
+    pub(crate) fn search(&self, target: &FaceTarget) -> Option<Rect> {
         let (x, y) = self.first;
         let PixelRect { x: (x0, x1), y: (y0, y1) } = self.fine.touched_by(&target.rect);
         let touched = block(x0 - x, x1 - x, y0 - y, y1 - y);
-        let (mut open, enough) = (0, self.solids.is_empty());
+        let (mut open, enough) = (PixelRect::EMPTY, self.solids.is_empty());
         let tile = (self.tile, self.shades);
         search_tile(tile, self.fine, self.first, target, touched, &mut |fx, fy, _| {
-            open |= 1 << ((fy - y) * TILE + (fx - x));
+            open = open.join(&PixelRect { x: (fx, fx + 1), y: (fy, fy + 1) });
             enough
         });
-        Pixel { fine: self.fine, first: self.first, rect: *rect, open }
+        (!open.is_empty()).then(|| self.fine.rect(&open))
     }
 }
 
 impl Hand {
     /// Draws the patches that reach into a group of pixels.
-    fn draw_patches<'a, F: Fn(u32) -> Option<Drawable<'a>>>(
+    fn draw_patches(
         &mut self,
         buffers: &OcclusionBuffers,
         (face, buffer): (usize, &FaceBuffer),
         (at, pixels): ((i64, i64), PixelRect),
         tiles: &mut Tiles,
-        patches: &Redrawable<F>,
         left: &mut Purse,
     ) {
         find_patches(buffer, &pixels, &mut self.found);
         if self.found.is_empty() {
             return;
         }
-        let projector = Projector::new(buffer, buffers.viewpoint());
-        let Some((ids, drawn)) = buffers.surfaces().kept(face) else { return };
-        if self.late.len() <= face {
-            self.late.resize_with(face + 1, KeptPatches::default);
-        }
-        for listed in &self.found {
-            if !drawn.has(listed.id)
-                && let Some(drawable) = (patches.drawable)(listed.id)
-            {
-                let drawable = Drawable { id: listed.id, ..drawable };
-                let (late, within) = (&mut self.late[face], listed.pixels);
-                vectorized!(simd => late.keep(simd, &projector, &drawable, within));
-            }
-        }
-        let stores = Stores { ids, drawn, late: &self.late[face] };
-        let sides = self.found.iter().filter_map(|listed| stores.side_count(listed.id));
+        let Some((ids, kept)) = buffers.surfaces().kept(face) else { return };
+        let sides = self.found.iter().filter_map(|listed| kept.side_count(listed.id));
         let cost = sides.map(|count| 1 + u64::from(count) / SIDES).sum::<u64>();
         tiles.cost = u32::try_from(cost).unwrap_or(u32::MAX);
         tiles.bare = cost > 0 && !left.take(tiles.cost);
@@ -357,18 +326,18 @@ impl Hand {
         let at = (at.0 / GROUP * GROUP, at.1 / GROUP * GROUP);
         let (coverage, step) = (&mut tiles.coverage, buffer.window().step());
         let sheet = Sheet { coverage, base: 0, first: at, count: (GROUP, GROUP), step };
-        let mut spot = Spot { projector, at, sheet };
-        self.local.draw(&mut spot, stores, &self.found, &mut tiles.used);
+        let mut spot = Spot { projector: Projector::new(buffer, buffers.viewpoint()), at, sheet };
+        self.local.draw(&mut spot, (ids, kept), &self.found, &mut tiles.used);
     }
 }
 
 /// Finds the drawn patches that may reach into a rectangle of pixels and hide anything there.
-fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listing>) {
+fn find_patches(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<ListedPatch>) {
     found.clear();
     buffer.patches().for_around(pixels, |patch| {
         if patch.pixels.overlaps(pixels) && !buffer.hides_pixels(&patch.pixels.intersect(pixels), patch.near)
         {
-            found.push(Listing { id: patch.id, near: patch.near, pixels: patch.pixels });
+            found.push(*patch);
         }
     });
     found.sort_unstable_by_key(|listed| listed.id);

@@ -3,6 +3,7 @@
 use fearless_simd::Simd;
 
 use crate::mesh::surface::PatchNumber;
+use crate::occlusion::bins::WideBins;
 use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::Sighting;
@@ -16,8 +17,8 @@ use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::surface::sides::WholeSide;
 use crate::occlusion::tiles::TILE;
 
-/// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly
-/// all of those pixels, so that they cover none alone, and hardly any with their neighbours.
+/// Patches that touch fewer columns or rows of pixels are drawn in finer pixels only: their outlines
+/// touch nearly all of these, so that they cover none alone, and hardly any with their neighbours.
 const NARROW: i64 = 3;
 
 /// Patches around more blocks of pixels than this count as wide.
@@ -35,14 +36,16 @@ pub(super) fn draw_surfaces<S: Simd>(
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
     viewpoint: Viewpoint,
+    listed: bool,
     (ids, scratch): (&Ids, &mut FaceScratch),
 ) {
     scratch.begin();
-    let mut kept = std::mem::take(&mut scratch.kept);
-    let projector = Projector::new(buffer, viewpoint);
-    see(simd, &projector, viewpoint.room.radius(), batch, sights, &mut kept, scratch);
-    join(batch, viewpoint.room.radius(), &mut kept, (ids, scratch));
+    let (projector, reach) = (Projector::new(buffer, viewpoint), viewpoint.room.radius());
+    let listed = listed.then(|| buffer.patches_mut());
+    see(simd, &projector, reach, batch, sights, listed, scratch);
+    join(batch, reach, ids, scratch);
     scratch.joined.sort();
+    let kept = std::mem::take(&mut scratch.kept);
     let order = std::mem::take(&mut scratch.joined.order);
     // Components may cover all tiles of the window.
     let window = buffer.window();
@@ -55,23 +58,13 @@ pub(super) fn draw_surfaces<S: Simd>(
     scratch.kept = kept;
 }
 
-/// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its
-/// pixels.
-pub(super) fn list(buffer: &mut FaceBuffer, batch: &[Drawable], scratch: &FaceScratch) {
-    let drawn = scratch.seen.iter().map(|s| (s.drawable, s.near, s.pixels));
-    let all = drawn.chain(scratch.narrow.iter().copied());
-    for (drawable, near, pixels) in all {
-        let patch = ListedPatch { id: batch[drawable as usize].id, near, pixels };
-        buffer.patches_mut().push(&pixels, patch);
-    }
-}
-
 /// Whether a patch touches so few columns or rows of pixels that it is not drawn.
 fn is_narrow(pixels: &PixelRect) -> bool {
     pixels.x.1 - pixels.x.0 < NARROW || pixels.y.1 - pixels.y.0 < NARROW
 }
 
-/// Collects the patches that the face sees.
+/// Collects the patches that the face sees. Narrow ones are only listed, to be drawn in finer
+/// pixels.
 #[inline(always)]
 fn see<S: Simd>(
     simd: S,
@@ -79,24 +72,27 @@ fn see<S: Simd>(
     reach: f64,
     batch: &[Drawable],
     sights: impl Iterator<Item = Sighting>,
-    kept: &mut KeptPatches,
+    mut listed: Option<&mut WideBins<ListedPatch>>,
     scratch: &mut FaceScratch,
 ) {
+    let FaceScratch { kept, joined, seen, .. } = scratch;
     // The rims around a hole are wide if the eye may go far, however narrow the hole is.
     let is_narrow = |pixels: &PixelRect| reach == 0.0 && is_narrow(pixels);
     for Sighting { patch: drawable, near, pixels, .. } in sights {
-        if is_narrow(&pixels) {
-            scratch.narrow.push((drawable, near, pixels));
+        if is_narrow(&pixels) && listed.is_none() {
             continue;
         }
+        let id = batch[drawable as usize].id;
         let place = kept.keep(simd, projector, &batch[drawable as usize], pixels);
         let Some(pixels) = kept.patch(place).pixels else { continue };
+        if let Some(listed) = &mut listed {
+            listed.push(&pixels, ListedPatch { id, near, pixels });
+        }
         if is_narrow(&pixels) {
-            scratch.narrow.push((drawable, near, pixels));
             continue;
         }
-        scratch.joined.push(batch[drawable as usize].id, near);
-        scratch.seen.push(SeenPatch { drawable, kept: place, pixels, near });
+        joined.push(id, near);
+        seen.push(SeenPatch { drawable, kept: place, pixels, near });
     }
 }
 
@@ -104,9 +100,10 @@ fn see<S: Simd>(
 ///
 /// If the eye may go some way, only patches that are wholly turned to it are joined.
 #[inline(always)]
-fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): (&Ids, &mut FaceScratch)) {
-    for i in 0..scratch.seen.len() as u32 {
-        let seen = &scratch.seen[i as usize];
+fn join(batch: &[Drawable], reach: f64, ids: &Ids, scratch: &mut FaceScratch) {
+    let FaceScratch { kept, joined, seen: all, .. } = scratch;
+    for i in 0..all.len() as u32 {
+        let seen = &all[i as usize];
         let d = &batch[seen.drawable as usize];
         // Sides with the same neighbour follow each other.
         let (mut last, mut beyond) = (PatchNumber::NONE, None);
@@ -117,17 +114,17 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): 
                 lanes &= lanes - 1;
                 if group.twins[lane] != last {
                     last = group.twins[lane];
-                    beyond = ids.get(last).and_then(|id| scratch.joined.find(id)).filter(|&place| place != i);
+                    beyond = ids.get(last).and_then(|id| joined.find(id)).filter(|&place| place != i);
                 }
                 let Some(place) = beyond else { continue };
-                let other = &batch[scratch.seen[place as usize].drawable as usize];
+                let other = &batch[all[place as usize].drawable as usize];
                 if (group.opposite >> lane & 1 == 1) != (d.turned == other.turned) {
                     continue;
                 }
                 if reach > 0.0 && !(d.faces_eye && other.faces_eye) {
                     continue;
                 }
-                scratch.joined.unite(i, place);
+                joined.unite(i, place);
                 seams |= 1 << lane;
             }
             group.seams = seams;

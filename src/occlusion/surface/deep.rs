@@ -3,15 +3,38 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 
-use crate::numeric::occlusion::{EDGE, FAR_PIXEL, PIECE_ROUNDING, PROJECTED};
+use crate::numeric::occlusion::{EDGE, EDGE_ROUNDING, FAR_PIXEL, PIECE_ROUNDING, PROJECTED};
 use crate::occlusion::surface::raster::{Edges, LANES, Raster};
 use crate::occlusion::surface::sides::WholeSide;
+
+/// As a number in double precision.
+const FAR: f64 = FAR_PIXEL as f64;
+
+/// Pieces that reach far are drawn as far as this many pixels from the area, beside their width:
+/// more than rounding adds to that.
+const ASIDE: f64 = 16.0;
 
 /// Where an edge passes the near limit.
 pub(super) struct Cut {
     pub(super) at: DVec3,
     /// Whether the edge goes to lesser depths there.
     pub(super) leaves: bool,
+}
+
+/// The magnitudes of the coordinates of two points, added.
+#[inline(always)]
+fn magnitude(a: (f64, f64), b: (f64, f64)) -> f64 {
+    a.0.abs() + a.1.abs() + b.0.abs() + b.1.abs()
+}
+
+/// Between which shares of the way from `p` to `q` numbers lie between two others; the second is
+/// less if none do.
+fn shares((p, q): (f64, f64), (low, high): (f64, f64)) -> (f64, f64) {
+    if p == q {
+        return if low <= p && p <= high { (0.0, 1.0) } else { (1.0, 0.0) };
+    }
+    let (a, b) = ((low - p) / (q - p), (high - p) / (q - p));
+    (a.min(b).max(0.0), a.max(b).min(1.0))
 }
 
 /// Draws the sides of one patch that are not drawn as single edges.
@@ -42,16 +65,54 @@ impl<S: Simd> Pieces<'_, S> {
     /// Draws a piece, at once or later. Its ends are in single precision.
     #[inline(always)]
     fn add(&mut self, from: (f64, f64), to: (f64, f64), falls: bool, (wide, unsure): (f64, f64), seam: bool) {
-        let sum = from.0.abs() + from.1.abs() + to.0.abs() + to.1.abs();
-        let rounding = (sum + self.shift) * f64::from(PROJECTED);
-        // Room for the rounding of the widths themselves.
-        let (wide, unsure) = (wide + unsure + 3.0 * rounding, unsure + rounding);
-        let far = f64::from(FAR_PIXEL);
         // Also if one is NaN.
-        if !(sum < far && wide < far) {
-            self.raster.edge(from, to, falls, (wide, unsure), seam);
+        if magnitude(from, to) < FAR && wide + unsure < FAR {
+            self.put(from, to, falls, (wide, unsure), seam);
+        } else {
+            self.add_far(from, to, falls, (wide, unsure), seam);
+        }
+    }
+
+    /// Draws a piece that reaches far beyond the area: the part that may touch the area, and rows
+    /// that others pass left of it.
+    #[cold]
+    fn add_far(&mut self, a: (f64, f64), b: (f64, f64), falls: bool, (wide, unsure): (f64, f64), seam: bool) {
+        let rounding = EDGE_ROUNDING * magnitude(a, b);
+        let (wide, unsure) = (wide + rounding, unsure + rounding);
+        // Drawn as any piece, it is a little wider.
+        let room = 1.5 * (wide + unsure) + ASIDE + 3.0 * self.shift * f64::from(PROJECTED);
+        let ((left, right), (low, high)) = self.raster.borders();
+        let rows = shares((a.1, b.1), (low - room, high + room));
+        let columns = shares((a.0, b.0), (left - room, right + room));
+        let (begin, end) = (rows.0.max(columns.0), rows.1.min(columns.1));
+        let is_near = begin <= end;
+        if !room.is_finite() || is_near && room >= FAR {
+            self.raster.open_all();
             return;
         }
+        let at = |share: f64| match share {
+            0.0 => a,
+            1.0 => b,
+            _ => (a.0 + (b.0 - a.0) * share, a.1 + (b.1 - a.1) * share),
+        };
+        if is_near {
+            self.put(at(begin), at(end), falls, (wide, unsure), seam);
+        }
+        let (begin, end) = if is_near { (begin, end) } else { (rows.1, rows.1) };
+        for (from, to) in [(rows.0, begin), (end, rows.1)].map(|(from, to)| (at(from), at(to))) {
+            if rows.0 < rows.1 && from.0 + to.0 < 2.0 * left {
+                let beside = |y: f64| (left - room, y.clamp(low - 1.0, high + 1.0));
+                self.put(beside(from.1), beside(to.1), falls, (EDGE, EDGE), false);
+            }
+        }
+    }
+
+    /// Draws a piece within the range of single precision, at once or later.
+    #[inline(always)]
+    fn put(&mut self, from: (f64, f64), to: (f64, f64), falls: bool, (wide, unsure): (f64, f64), seam: bool) {
+        let rounding = (magnitude(from, to) + self.shift) * f64::from(PROJECTED);
+        // Room for the rounding of the widths themselves.
+        let (wide, unsure) = (wide + unsure + 3.0 * rounding, unsure + rounding);
         let (from, to) = if falls == self.falls { (from, to) } else { (to, from) };
         let (at, e) = (self.count % LANES, &mut self.edges);
         (e.x0[at], e.y0[at]) = (from.0 as f32, from.1 as f32);
@@ -111,7 +172,7 @@ impl DeepSides {
                 // From where the outline leaves to where it comes back.
                 let (from, to) = if leaves { (at, base) } else { (base, at) };
                 let (from, to) = (self.single(from), self.single(to));
-                pieces.raster.edge(from, to, falls, (EDGE, EDGE), false);
+                pieces.add(from, to, falls, (EDGE, EDGE), false);
             }
         }
         pieces.flush();

@@ -53,9 +53,9 @@ impl KeptPatches {
         self.places.get(id as usize).copied().filter(|&place| place != NONE)
     }
 
-    /// Whether a patch is kept, by its number in the order of first drawing.
-    pub(crate) fn has(&self, id: u32) -> bool {
-        self.find(id).is_some()
+    /// How many sides a patch has that is kept, by its number in the order of first drawing.
+    pub(crate) fn side_count(&self, id: u32) -> Option<u32> {
+        self.find(id).map(|place| self.patch(place).side_count)
     }
 
     /// A patch by its place.

@@ -7,15 +7,15 @@
 
 use fearless_simd::Simd;
 
-use crate::occlusion::pixels::PixelRect;
+use crate::occlusion::face_buffer::ListedPatch;
 use crate::occlusion::surface::joined::{DrawPlace, Joined};
-use crate::occlusion::surface::kept::{Kept, KeptPatches};
+use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::near::{Choice, FINER, GROUP, GROUP_PIXELS, GroupBorders, draw_edges};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{Area, LANES, Raster, Windings, rows_passed};
 use crate::occlusion::surface::scratch::Ids;
 use crate::occlusion::surface::sheet::{Joint, Sheet};
-use crate::occlusion::surface::sides::{Sides, WholeSide};
+use crate::occlusion::surface::sides::WholeSide;
 use crate::simd::vectorized;
 
 /// A group of pixels.
@@ -27,58 +27,11 @@ pub(crate) struct Spot<'a> {
     pub(crate) sheet: Sheet<'a>,
 }
 
-/// A patch that may be drawn into a group.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Listing {
-    /// Its number in the order of first drawing.
-    pub(crate) id: u32,
-    /// No point of it is nearer.
-    pub(crate) near: f32,
-    /// The pixels that it may touch.
-    pub(crate) pixels: PixelRect,
-}
-
-/// Where patches are kept: those that the first pass drew, and those that were too narrow for it.
-#[derive(Clone, Copy)]
-pub(crate) struct Stores<'a> {
-    pub(crate) ids: &'a Ids,
-    pub(crate) drawn: &'a KeptPatches,
-    pub(crate) late: &'a KeptPatches,
-}
-
-impl<'a> Stores<'a> {
-    /// Whether a patch was too narrow, and its place among those that are kept.
-    #[inline]
-    fn find(&self, id: u32) -> Option<(bool, u32)> {
-        let late = || Some((true, self.late.find(id)?));
-        self.drawn.find(id).map(|place| (false, place)).or_else(late)
-    }
-
-    /// How many sides a patch has.
-    pub(crate) fn side_count(&self, id: u32) -> Option<u32> {
-        self.find(id).map(|(is_late, place)| self.store(is_late).patch(place).side_count)
-    }
-
-    fn patch(&self, member: &Member) -> &'a Kept {
-        self.store(member.is_late).patch(member.place)
-    }
-
-    fn groups(&self, member: &Member) -> &'a [Sides] {
-        self.store(member.is_late).groups(member.place)
-    }
-
-    #[inline]
-    fn store(&self, is_late: bool) -> &'a KeptPatches {
-        if is_late { self.late } else { self.drawn }
-    }
-}
-
 /// A patch that is drawn into the group.
 #[derive(Debug, Clone)]
 struct Member {
     id: u32,
     /// Where it is kept.
-    is_late: bool,
     place: u32,
     near: f32,
     /// The first of its groups of sides in the list of choices.
@@ -103,11 +56,11 @@ impl Local {
     pub(crate) fn draw(
         &mut self,
         spot: &mut Spot,
-        stores: Stores,
-        listed: &[Listing],
+        kept: (&Ids, &KeptPatches),
+        listed: &[ListedPatch],
         useful: &mut Vec<u32>,
     ) {
-        vectorized!(simd => self.draw_with(simd, spot, stores, listed, useful));
+        vectorized!(simd => self.draw_with(simd, spot, kept, listed, useful));
     }
 
     #[inline(always)]
@@ -115,23 +68,23 @@ impl Local {
         &mut self,
         simd: S,
         spot: &mut Spot,
-        stores: Stores,
-        listed: &[Listing],
+        (ids, kept): (&Ids, &KeptPatches),
+        listed: &[ListedPatch],
         useful: &mut Vec<u32>,
     ) {
-        self.choose(simd, spot, stores, listed);
-        self.join(spot, stores);
+        self.choose(simd, spot, kept, listed);
+        self.join(spot, ids, kept);
         self.joined.sort();
         let order = std::mem::take(&mut self.joined.order);
         for component in order.chunk_by(|a, b| a.1 == b.1) {
-            self.draw_component(simd, spot, stores, component, useful);
+            self.draw_component(simd, spot, kept, component, useful);
         }
         self.joined.order = order;
     }
 
     /// Collects the patches with edges near the group, or around it.
     #[inline(always)]
-    fn choose<S: Simd>(&mut self, simd: S, spot: &Spot, stores: Stores, listed: &[Listing]) {
+    fn choose<S: Simd>(&mut self, simd: S, spot: &Spot, kept: &KeptPatches, listed: &[ListedPatch]) {
         self.members.clear();
         self.choices.clear();
         self.joined.begin();
@@ -139,15 +92,11 @@ impl Local {
         let rows = (spot.first_row(), GROUP_PIXELS);
         // The rims of a component are all of its sides that are not seams.
         let is_still = spot.projector.rims().is_none();
-        for &Listing { id, near, .. } in listed {
-            let Some((is_late, place)) = stores.find(id) else { continue };
-            let store = stores.store(is_late);
-            let patch = store.patch(place);
-            if patch.pixels.is_none() {
-                continue;
-            }
+        for &ListedPatch { id, near, .. } in listed {
+            let Some(place) = kept.find(id) else { continue };
+            let patch = kept.patch(place);
             let (first, mut passed, mut any) = (self.choices.len() as u32, Windings::default(), 0);
-            for sides in store.groups(place) {
+            for sides in kept.groups(place) {
                 let (near, left) = bounds.near_and_left(&sides.edges(simd, 1.0));
                 any |= near;
                 self.choices.push(Choice { near, seams: 0 });
@@ -156,33 +105,33 @@ impl Local {
                 }
             }
             // It neither covers the group nor ends in it.
-            if any == 0 && passed.is_zero() && store.deep(place).is_empty() && is_still {
+            if any == 0 && passed.is_zero() && kept.deep(place).is_empty() && is_still {
                 self.choices.truncate(first as usize);
                 continue;
             }
             self.joined.push(id, near);
-            self.members.push(Member { id, is_late, place, near, first, passed });
+            self.members.push(Member { id, place, near, first, passed });
         }
     }
 
     /// Joins patches that share sides near the group, and marks those sides as seams; all sides if
     /// the eye may go some way.
     #[inline(always)]
-    fn join(&mut self, spot: &Spot, stores: Stores) {
+    fn join(&mut self, spot: &Spot, ids: &Ids, kept: &KeptPatches) {
         let has_rims = spot.projector.rims().is_some();
         for i in 0..self.members.len() {
             let member = &self.members[i];
-            let (patch, first) = (stores.patch(member), member.first);
-            for (sides, at) in stores.groups(member).iter().zip(first as usize..) {
+            let (patch, first) = (kept.patch(member.place), member.first);
+            for (sides, at) in kept.groups(member.place).iter().zip(first as usize..) {
                 // Those that are drawn in pieces are not chosen by place.
                 let mut lanes = if has_rims { u8::MAX } else { self.choices[at].near | !sides.plain };
                 lanes &= sides.shared;
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize % LANES;
                     lanes &= lanes - 1;
-                    let place = stores.ids.get(sides.twins[lane]).and_then(|id| self.joined.find(id));
+                    let place = ids.get(sides.twins[lane]).and_then(|id| self.joined.find(id));
                     let Some(place) = place.filter(|&place| place as usize != i) else { continue };
-                    let other = stores.patch(&self.members[place as usize]);
+                    let other = kept.patch(self.members[place as usize].place);
                     let runs_opposite = sides.opposite >> lane & 1 == 1;
                     if runs_opposite != (patch.turned == other.turned)
                         || has_rims && !(patch.faces_eye && other.faces_eye)
@@ -202,7 +151,7 @@ impl Local {
         &mut self,
         simd: S,
         spot: &mut Spot,
-        stores: Stores,
+        kept: &KeptPatches,
         component: &[DrawPlace],
         useful: &mut Vec<u32>,
     ) {
@@ -214,7 +163,7 @@ impl Local {
             joint
         });
         let seams = |m: &Member, side: &WholeSide| {
-            let first = stores.store(m.is_late).first_group(m.place);
+            let first = kept.first_group(m.place);
             choices[(m.first + side.group - first) as usize].seams >> side.lane & 1 == 1
         };
         // Nothing is covered before all rims of the component are known.
@@ -222,18 +171,17 @@ impl Local {
             let widened = widened.finer(FINER as f64);
             rims.begin(area, first);
             for m in patches() {
-                let own = stores.store(m.is_late).rims(m.place).iter();
+                let own = kept.rims(m.place).iter();
                 own.filter(|side| !seams(m, side)).for_each(|side| widened.draw(rims, side));
             }
             &*rims
         });
         let deep = spot.projector.deep_sides().finer(FINER as f64);
         for m in patches() {
-            let patch = stores.patch(m);
+            let patch = kept.patch(m.place);
             raster.begin(area, first);
-            draw_edges(simd, raster, stores.groups(m), &choices[m.first as usize..], patch.turned);
-            let sides = stores.store(m.is_late).deep(m.place);
-            deep.draw(simd, raster, (sides, patch.turned), |side| seams(m, side));
+            draw_edges(simd, raster, kept.groups(m.place), &choices[m.first as usize..], patch.turned);
+            deep.draw(simd, raster, (kept.deep(m.place), patch.turned), |side| seams(m, side));
             raster.pass_left(&m.passed);
             if spot.sheet.cover_patch(simd, raster, (m.near, &patch.back), rims, joint.as_deref_mut()).0 {
                 useful.push(m.id);

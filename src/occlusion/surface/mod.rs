@@ -45,7 +45,7 @@ use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::surface::batch::Batch;
-use crate::occlusion::surface::components::{draw_surfaces, list};
+use crate::occlusion::surface::components::draw_surfaces;
 use crate::occlusion::surface::projector::Viewpoint;
 use crate::occlusion::surface::scratch::{FaceScratch, SurfaceScratch};
 use crate::simd::vectorized;
@@ -106,10 +106,8 @@ impl OcclusionBuffers {
         let draw = |face: usize, buffer: &mut FaceBuffer, scratch: &mut FaceScratch| {
             let sights = batch.sights.iter().filter(|sight| sight.face as usize == face).copied();
             let drawables = &batch.drawables;
-            vectorized!(simd => draw_surfaces(simd, buffer, drawables, sights, viewpoint, (ids, scratch)));
-            if listed {
-                list(buffer, drawables, scratch);
-            }
+            let memory = (ids, scratch);
+            vectorized!(simd => draw_surfaces(simd, buffer, drawables, sights, viewpoint, listed, memory));
         };
         let on_faces = buffers.iter_mut().map(|buffer| &mut **buffer).zip(faces.iter_mut());
         if shared && batch.sights.len() >= WORTH_SHARING {

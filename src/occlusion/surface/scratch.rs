@@ -37,8 +37,6 @@ pub(crate) struct SurfaceScratch {
 #[derive(Debug, Clone, Default)]
 pub(super) struct FaceScratch {
     pub(super) seen: Vec<SeenPatch>,
-    /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
-    pub(super) narrow: Vec<(u32, f32, PixelRect)>,
     pub(super) kept: KeptPatches,
     /// Those seen.
     pub(super) joined: Joined,
@@ -99,6 +97,11 @@ impl SurfaceScratch {
         }
     }
 
+    /// Whether a patch was drawn in the query, alone or as a part.
+    pub(crate) fn has_drawn(&self, number: PatchNumber) -> bool {
+        self.ids.get(number).is_some()
+    }
+
     /// The numbers of the patches of the query, and those that a face saw; `None` if nothing was
     /// drawn there.
     pub(crate) fn kept(&self, face: usize) -> Option<(&Ids, &KeptPatches)> {
@@ -111,7 +114,6 @@ impl FaceScratch {
     pub(super) fn begin(&mut self) {
         self.joined.begin();
         self.seen.clear();
-        self.narrow.clear();
         self.useful.clear();
         self.blocks = 0;
     }

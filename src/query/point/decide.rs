@@ -6,7 +6,7 @@ use crate::geometry::Block;
 use crate::occlusion::buffers::Verdict;
 use crate::occlusion::examine::{Effort, Examination};
 use crate::occlusion::magnify::budget::{Budget, Purse};
-use crate::occlusion::magnify::{Hand, Magnifier, Redrawable, UsedFinely};
+use crate::occlusion::magnify::{Hand, Magnifier, UsedFinely};
 use crate::occlusion::target::Target;
 use crate::query::point::drawing::Drawing;
 
@@ -152,12 +152,9 @@ fn stays(drawing: &Drawing, candidate: &Candidate) -> bool {
 /// Whether the middle of a candidate, or of one of its parts, is in an open pixel.
 fn shows(drawing: &Drawing, candidate: &Candidate) -> bool {
     let &Candidate { slot, block: Some(block), is_centered, .. } = candidate else { return false };
-    let buffers = drawing.buffers();
-    if is_centered {
-        return buffers.shows_plainly((block.min + block.max) * 0.5 - buffers.origin(), slot);
-    }
-    let middle = drawing.run.scene.object(slot).bounds().kind().middle_of_parts();
-    middle.is_some_and(|middle| buffers.shows(middle - buffers.origin(), slot))
+    let of_parts = || drawing.run.scene.object(slot).bounds().kind().middle_of_parts();
+    let middle = if is_centered { Some((block.min + block.max) * 0.5) } else { of_parts() };
+    middle.is_some_and(|middle| drawing.buffers().shows(middle - drawing.buffers().origin(), slot))
 }
 
 /// Counts a candidate that was tested again.
@@ -182,27 +179,25 @@ pub(super) fn examine(
     let buffers = drawing.buffers();
     let (origin, direction) = (buffers.origin(), buffers.direction());
     // Most candidates can be seen plainly.
-    if is_centered && buffers.shows_plainly((block.min + block.max) * 0.5 - origin, slot) {
+    if is_centered && buffers.shows((block.min + block.max) * 0.5 - origin, slot) {
         return false;
     }
     let bounds = drawing.run.scene.object(slot).bounds();
     let options = drawing.run.options;
     let effort = Effort { squares: options.refine_squares, depth: options.refine_depth };
     let refines = effort.squares > 0 || options.refine_patches > 0;
-    if let Some(middle) = bounds.kind().middle_of_parts() {
+    if bounds.kind().middle_of_parts().is_some() {
         if drawing.hides(&bounds.block()) {
             return true;
         }
-        // A quick way to find objects that are plainly in sight, or hardly hidden.
-        if buffers.shows(middle - origin, slot) || refines && !effort.is_worth(buffers, bounds) {
+        if refines && !effort.is_worth(buffers, bounds) {
             return false;
         }
     }
     // Parts of meshes cannot be grown by the uncertainty of the eye; their box can.
     let in_parts = buffers.uncertainty() == 0.0;
-    let patches = Redrawable { drawable: |id: u32| drawing.drawn_patch(id) };
     let mut target = std::mem::take(&mut hand.target);
-    let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget: left };
+    let mut examination = Examination { buffers, magnifier, hand, effort, budget: left };
     let mut hidden = |target: &Target| {
         if refines {
             return examination.hides(target, slot);

@@ -111,6 +111,7 @@ pub(crate) struct PixelMarks([PixelRows; 4]);
 
 impl PixelMarks {
     pub(crate) const OPEN: usize = 0;
+    #[cfg(test)]
     pub(crate) const SEAM: usize = 1;
     /// No marks.
     pub(crate) const NONE: Self = Self([[0; LANES]; 4]);

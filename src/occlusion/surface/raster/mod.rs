@@ -5,11 +5,10 @@
 //! go around a pixel four times: those are taken to leave it open.
 //!
 //! [`Raster`] is all that the rest of the crate sees: [`Raster::begin`] with an area,
-//! [`Raster::edges`] with eight edges at a time or [`Raster::edge`] with one, then block by block
-//! [`Raster::marks`], to which the sum of the heads up to the block's adds the edges left of it.
-//! The first is in single precision, eight rows at a time ([`lanes`]), the other, for edges that
-//! reach far beyond the view, in double precision ([`edge`]). Both keep three rules (pixels around
-//! a line can be marked with [`Raster::strip`], too):
+//! [`Raster::edges`] with eight edges at a time, then block by block [`Raster::marks`], to which the
+//! sum of the heads up to the block's adds the edges left of it. Edges are drawn in single
+//! precision, in eight rows at a time ([`lanes`]). They keep three rules (pixels around a line can
+//! be marked with [`Raster::strip`], too):
 //!
 //! - every pixel that comes within the edge's width of it is marked as touched;
 //! - a pixel that no edge touches has the winding number of the outline around its middle;
@@ -21,7 +20,6 @@
 //! either: [`Raster::pass_left`] takes the rows whose middles they pass.
 
 mod area;
-mod edge;
 mod edges;
 mod lanes;
 mod marks;
@@ -110,6 +108,13 @@ impl Raster {
         }
     }
 
+    /// The borders of the area along both axes, as edges are counted.
+    pub(crate) fn borders(&self) -> ((f64, f64), (f64, f64)) {
+        let (left, low) = self.corner;
+        let along = |first: i32, count: i32| (first.into(), (first + count).into());
+        (along(left, self.area.width()), along(low, self.area.height()))
+    }
+
     /// Its area.
     #[inline(always)]
     pub(crate) fn area(&self) -> &Area {
@@ -172,15 +177,9 @@ impl Raster {
         })
     }
 
-    /// Lets an outline pass the middle of a row left of the middle of a column of the area: the
-    /// winding numbers from there on grow by one, or fall.
-    fn pass(&mut self, row: i32, column: i32, falls: bool) {
-        let (above, from) = (row as usize / LANES, (column / COLUMNS as i32) as usize);
-        let (row, falls) = (row as usize % LANES, if falls { u32::MAX } else { 0 });
-        if let Some(marks) = self.block(above, from) {
-            marks.wind_row(row, from_column(column % COLUMNS as i32), falls);
-        }
-        self.carry(above, from + 1, Head::step(1 << row, falls));
+    /// Marks all pixels as touched by open edges.
+    pub(crate) fn open_all(&mut self) {
+        (0..self.area.height()).for_each(|row| self.mark(row, 0, self.area.width() - 1, PixelMarks::OPEN));
     }
 }
 

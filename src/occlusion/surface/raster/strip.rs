@@ -2,7 +2,6 @@
 
 use crate::numeric::occlusion::{EDGE_FLAT, EDGE_ROUNDING};
 use crate::occlusion::pixels::nearest_integer;
-use crate::occlusion::surface::raster::edge::within;
 use crate::occlusion::surface::raster::{PixelMarks, Raster};
 
 impl Raster {
@@ -22,8 +21,7 @@ impl Raster {
         let last = nearest_integer(within(b.1 + around, most_y) - 0.5).min(height - 1);
         // Numbers that overflowed say nothing of where the strip is.
         if (left + right + a.1 + b.1 + across + around).is_nan() {
-            (0..height).for_each(|row| self.mark(row, 0, width - 1, PixelMarks::OPEN));
-            return;
+            return self.open_all();
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
         let is_flat = slope.is_nan() || slope.abs() >= EDGE_FLAT;
@@ -48,4 +46,11 @@ impl Raster {
             }
         }
     }
+}
+
+/// A number clamped between -1 and a greatest one; -1 if it is not a number.
+#[inline]
+fn within(v: f64, most: f64) -> f64 {
+    let v = if v > -1.0 { v } else { -1.0 };
+    if v < most { v } else { most }
 }

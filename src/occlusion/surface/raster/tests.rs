@@ -9,38 +9,24 @@ fn edges(ring: &[Point]) -> impl Iterator<Item = (Point, Point)> {
     ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
 
-/// How edges are drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum By {
-    /// One by one, in double precision.
-    One,
-    /// Eight at a time.
-    Eight,
-}
-
-/// A number in single precision, as edges drawn together have them.
+/// A number in single precision, as edges have them.
 fn single(v: f64) -> f64 {
     f64::from(v as f32)
 }
 
-fn draw(by: By, raster: &mut Raster, all: impl IntoIterator<Item = (Point, Point, bool)>, wide: f64) {
+fn draw(raster: &mut Raster, all: impl IntoIterator<Item = (Point, Point, bool)>, wide: f64) {
     let unsure = 1e-3f64.min(wide / 2.0);
     let all: Vec<_> = all.into_iter().collect();
-    match by {
-        By::One => all.iter().for_each(|&(from, to, seam)| raster.edge(from, to, false, (wide, 1e-9), seam)),
-        By::Eight => {
-            for some in all.chunks(LANES) {
-                let mut group =
-                    Edges { wide: [wide as f32; LANES], unsure: [unsure as f32; LANES], ..Edges::default() };
-                for (i, &(from, to, seam)) in some.iter().enumerate() {
-                    (group.x0[i], group.y0[i]) = (from.0 as f32, from.1 as f32);
-                    (group.x1[i], group.y1[i]) = (to.0 as f32, to.1 as f32);
-                    group.plain |= 1 << i;
-                    group.seams |= u8::from(seam) << i;
-                }
-                vectorized!(simd => raster.edges(simd, &group.vectors(simd, 1.0), false));
-            }
+    for some in all.chunks(LANES) {
+        let mut group =
+            Edges { wide: [wide as f32; LANES], unsure: [unsure as f32; LANES], ..Edges::default() };
+        for (i, &(from, to, seam)) in some.iter().enumerate() {
+            (group.x0[i], group.y0[i]) = (from.0 as f32, from.1 as f32);
+            (group.x1[i], group.y1[i]) = (to.0 as f32, to.1 as f32);
+            group.plain |= 1 << i;
+            group.seams |= u8::from(seam) << i;
         }
+        vectorized!(simd => raster.edges(simd, &group.vectors(simd, 1.0), false));
     }
 }
 
@@ -105,9 +91,8 @@ fn pixels_are_marked_as_the_outline_says() {
         let area =
             Area::around(&PixelRect { x: (x, x + 5 + round as i64 % 37), y: (y, y + 9 + round as i64 % 31) });
         let wide = [1e-3, 0.3, 2.5][round % 3];
-        let by = if round % 2 == 0 { By::One } else { By::Eight };
         raster.begin(area, (0, 0));
-        draw(by, &mut raster, unshared(&ring), wide);
+        draw(&mut raster, unshared(&ring), wide);
         for y in area.y..area.y + i64::from(area.height()) {
             for x in area.x..area.x + i64::from(area.width()) {
                 let (block, row, column) = place(&area, x, y);
@@ -133,20 +118,17 @@ fn pixels_are_marked_as_the_outline_says() {
 #[test]
 fn narrow_edges_touch_few_pixels() {
     let ring = [(2.5, 2.5), (29.5, 2.5), (29.5, 29.5), (2.5, 29.5)];
-    for by in [By::One, By::Eight] {
-        let mut raster = Raster::default();
-        raster.begin(Area::around(&PixelRect { x: (0, 32), y: (0, 32) }), (0, 0));
-        draw(by, &mut raster, unshared(&ring), 1e-3);
-        let area = *raster.area();
-        for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
-            let (block, row, column) = place(&area, x, y);
-            let border = (2..30).contains(&x)
-                && (2..30).contains(&y)
-                && ([2, 29].contains(&x) || [2, 29].contains(&y));
-            assert_eq!(raster.whole(block).pixel(PixelMarks::OPEN, row, column).0, border, "{by:?} {x} {y}");
-            let inside = (3..29).contains(&x) && (3..29).contains(&y);
-            assert_eq!(raster.whole(block).covered()[row] >> column & 1 == 1, inside, "{by:?} {x} {y}");
-        }
+    let mut raster = Raster::default();
+    raster.begin(Area::around(&PixelRect { x: (0, 32), y: (0, 32) }), (0, 0));
+    draw(&mut raster, unshared(&ring), 1e-3);
+    let area = *raster.area();
+    for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
+        let (block, row, column) = place(&area, x, y);
+        let border =
+            (2..30).contains(&x) && (2..30).contains(&y) && ([2, 29].contains(&x) || [2, 29].contains(&y));
+        assert_eq!(raster.whole(block).pixel(PixelMarks::OPEN, row, column).0, border, "{x} {y}");
+        let inside = (3..29).contains(&x) && (3..29).contains(&y);
+        assert_eq!(raster.whole(block).covered()[row] >> column & 1 == 1, inside, "{x} {y}");
     }
 }
 
@@ -156,17 +138,14 @@ fn seams_of_two_patches_cancel() {
     let area = Area::around(&PixelRect { x: (0, 64), y: (0, 64) });
     let (mut first, mut second) = (Raster::default(), Raster::default());
     let mut seams = 0;
-    for round in 0..200 {
+    for _ in 0..200 {
         // Two triangles that share the side from a to b, on different sides of it.
         let (a, b) = ((single(random.within(2.0, 60.0)), 3.0), (single(random.within(2.0, 60.0)), 60.0));
         let (c, d) = ((-9.0, single(random.within(0.0, 60.0))), (75.0, single(random.within(0.0, 60.0))));
-        // Each in its own way.
-        let ways = [[By::One, By::Eight], [By::Eight, By::One], [By::Eight, By::Eight], [By::One, By::One]]
-            [round % 4];
-        for (raster, ring, by) in [(&mut first, [c, a, b], ways[0]), (&mut second, [d, b, a], ways[1])] {
+        for (raster, ring) in [(&mut first, [c, a, b]), (&mut second, [d, b, a])] {
             raster.begin(area, (0, 0));
             let seam = |from, to| [from, to].iter().all(|p| [a, b].contains(p));
-            draw(by, raster, edges(&ring).map(|(from, to)| (from, to, seam(from, to))), 1e-3);
+            draw(raster, edges(&ring).map(|(from, to)| (from, to, seam(from, to))), 1e-3);
         }
         let quad = [c, a, d, b];
         for y in 0..64 {

@@ -26,7 +26,7 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
 use crate::query::point::drawing::Drawing;
 use crate::query::point::drawing::drawables::Source;
-use crate::query::point::drawing::recall::{Coherence, Recall, Usage};
+use crate::query::point::drawing::recall::{Coherence, Recall, Role, Usage};
 
 impl<'a> Drawing<'a> {
     /// Draws the occluders that were of use in the last run.
@@ -105,9 +105,9 @@ impl<'a> Drawing<'a> {
                 continue;
             }
             at = surface.next(patch);
-            let drawn = self.scratch.drawn.get(base.of(patch)) == self.scratch.useful.epoch();
-            if !drawn && wanted(self, &source.block(patch)) {
-                self.collect_alone(source, patch, batch);
+            let block = source.block(patch);
+            if !self.scratch.buffers.surfaces().has_drawn(base.of(patch)) && wanted(self, &block) {
+                self.collect_patch(source, patch, &block, Role::Fresh, batch);
             }
         }
     }

@@ -17,8 +17,6 @@ use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::surface::batch::Batch;
-use crate::occlusion::surface::by_patch::ByPatch;
-use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::pvs::Stats;
 use crate::query::marks::Marks;
@@ -82,8 +80,6 @@ pub(crate) struct DrawingScratch {
     pub(crate) buffers: OcclusionBuffers,
     /// Objects in sight whose surfaces are yet to be drawn.
     waiting: Vec<Slot>,
-    /// For each patch of the scene, the last coherent query that drew it.
-    drawn: ByPatch<u32>,
     /// Memory for patches that are drawn together.
     batch: Batch<'static>,
     /// The patches drawn, in the order of first drawing: object and patch.
@@ -105,11 +101,6 @@ impl<'a> Drawing<'a> {
         scratch.patches.clear();
         scratch.buffers.begin_patches();
         scratch.offered.0.clear();
-        scratch.drawn.grow(patches);
-        // Numbers of queries start again.
-        if scratch.useful.epoch() == 1 {
-            scratch.drawn.clear();
-        }
         if run.keeps_memory {
             scratch.coherence.begin(scene.tag(), slots, patches);
         }
@@ -135,12 +126,6 @@ impl<'a> Drawing<'a> {
     /// The memory of coherent runs.
     pub(super) fn coherence(&self) -> &Coherence {
         &self.scratch.coherence
-    }
-
-    /// A patch that was drawn, by its place in the order of first drawing, to be drawn again.
-    pub(super) fn drawn_patch(&self, id: u32) -> Option<Drawable<'a>> {
-        let (slot, patch) = self.scratch.patches[id as usize];
-        self.drawable(slot, patch)
     }
 
     /// Whether a box in world units is hidden by the occluders drawn so far.

@@ -16,7 +16,7 @@ use crate::query::point::drawing::{Drawing, DrawingScratch};
 const THIN: f64 = 0.35;
 
 /// How the walk goes on with a patch.
-enum AfterPatch {
+pub(super) enum AfterPatch {
     /// Drawn, or of no use: its parts are not looked at.
     Done,
     /// Its parts are looked at, one by one.
@@ -24,12 +24,6 @@ enum AfterPatch {
 }
 
 impl<'a> Drawing<'a> {
-    /// A patch of an object's surface ready to be drawn, if it can be.
-    pub(super) fn drawable(&self, slot: Slot, patch: PatchIndex) -> Option<Drawable<'a>> {
-        let source = Source::of(self.run.scene, slot)?;
-        source.drawable(patch, &source.block(patch), (self.run.view, &self.starts), self.buffers())
-    }
-
     /// Notes that the parts of a group were looked at.
     pub(super) fn went_into(&mut self, number: PatchNumber) {
         if self.run.coherent {
@@ -80,26 +74,11 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Appends one patch to a batch, as one, unless it is small or hidden.
-    pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: PatchIndex, batch: &mut Batch<'a>) {
-        let first = batch.drawables.len();
-        self.collect_patch(source, patch, &source.block(patch), Role::Fresh, batch);
-        self.note_drawn(first, batch);
-    }
-
-    /// Notes for coherent runs which patches of a batch are drawn, from a place on.
-    fn note_drawn(&mut self, first: usize, batch: &Batch) {
-        let query = self.scratch.useful.epoch();
-        for drawable in &batch.drawables[first..] {
-            self.scratch.drawn.fill(drawable.numbers(), query);
-        }
-    }
-
     /// Appends the surface of an object to a batch, in patches and groups of them, without those
     /// that are small or hidden.
     fn collect(&mut self, slot: Slot, batch: &mut Batch<'a>) {
         let Some(source) = Source::of(self.run.scene, slot) else { return };
-        let (surface, first) = (source.surface, batch.drawables.len());
+        let surface = source.surface;
         let mut number = PatchIndex::FIRST;
         // Groups come before their parts.
         while number.index() < surface.patch_count() {
@@ -107,7 +86,7 @@ impl<'a> Drawing<'a> {
             let in_scene = source.place.base.of(number);
             let role = if !self.run.coherent {
                 Role::Fresh
-            } else if scratch.drawn.get(in_scene) == scratch.useful.epoch() {
+            } else if scratch.buffers.surfaces().has_drawn(in_scene) {
                 Role::Drawn
             } else {
                 scratch.coherence.patch(slot, number, in_scene)
@@ -124,13 +103,10 @@ impl<'a> Drawing<'a> {
                 }
             };
         }
-        if self.run.coherent {
-            self.note_drawn(first, batch);
-        }
     }
 
     /// Appends a patch in a box to a batch, if it is to be drawn as one.
-    fn collect_patch(
+    pub(super) fn collect_patch(
         &mut self,
         source: &Source<'a>,
         number: PatchIndex,
