@@ -29,6 +29,7 @@ use std::borrow::Cow;
 
 use glam::IVec3;
 
+use crate::object::{Bounds, Occluder};
 use crate::query::Query;
 use crate::scene::{LayerOpacity, Scene};
 use crate::shape::pieces::touched;
@@ -38,7 +39,7 @@ pub use crate::matrix::bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
 pub use crate::matrix::ids::IdMatrix;
 pub use crate::matrix::tbv::TbvMatrix;
 pub use crate::reference::occlusion_by_lattice;
-pub use crate::shape::Shape;
+pub use crate::shape::{Shape, Which};
 
 /// The matrices of a scene.
 pub trait SceneInternals {
@@ -83,7 +84,7 @@ impl SceneInternals for Scene {
     fn occupied(&self) -> BitMatrix {
         let mut cells = BitMatrix::default();
         for (_, object) in self.living().filter(|(_, object)| object.in_cells()) {
-            touched(object.bounds(), self.grid(), &mut |piece| {
+            touched(object.bounds().kind(), self.grid(), &mut |piece| {
                 piece.bricks(|brick, mask| cells.set_mask(brick, mask));
             });
         }
@@ -104,6 +105,24 @@ impl SceneInternals for Scene {
 
     fn tbv_matrix(&self) -> &TbvMatrix {
         self.tbv_matrix()
+    }
+}
+
+/// The shapes behind bounds and occluders.
+pub trait ShapeInternals {
+    /// The shape, to ask for its cells and its inside.
+    fn shape(&self) -> &dyn Shape;
+}
+
+impl ShapeInternals for Bounds {
+    fn shape(&self) -> &dyn Shape {
+        self.kind()
+    }
+}
+
+impl ShapeInternals for Occluder {
+    fn shape(&self) -> &dyn Shape {
+        self.kind()
     }
 }
 

@@ -50,8 +50,7 @@
 //!   for pictures and tests. Its names may change in any release.
 //! - `serde`: options, shapes and descriptions of objects are read and written with
 //!   [serde](https://serde.rs), see below.
-//! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel, and the
-//!   preparation of meshes by several threads.
+//! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel.
 //!
 //! # Versions of glam
 //!

@@ -76,6 +76,11 @@ impl Block {
         })
     }
 
+    /// The least box around both.
+    pub(crate) fn join(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
     /// The part that both have in common; inverted if there is none.
     pub(crate) fn intersection(&self, other: &Self) -> Self {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }

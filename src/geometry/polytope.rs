@@ -88,8 +88,7 @@ impl Part<'_> {
 
     /// The box around it, relative to the origin.
     pub(crate) fn bounds(&self) -> Block {
-        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (min, max) = self.vertices.iter().fold(start, |(min, max), &v| (min.min(v), max.max(v)));
+        let Block { min, max } = Block::around(self.vertices.iter().copied());
         Block { min: min - self.origin, max: max - self.origin }
     }
 

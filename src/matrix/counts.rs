@@ -7,7 +7,7 @@ use glam::IVec3;
 
 use crate::grid::bricks::Bricks;
 use crate::grid::mask::{ALL, Mask, NONE, both, places_of, without};
-use crate::matrix::bits::BitMatrix;
+use crate::matrix::bits::OpacityMatrix;
 
 /// For each cell of a brick, the number of solids beyond the first that make it opaque.
 #[derive(Clone, Default)]
@@ -66,27 +66,33 @@ impl MoreSolids {
     }
 }
 
-/// The number of solids that make each set cell of a [`BitMatrix`] opaque.
+/// Opaque cells, and how many solids make each of them opaque.
 #[derive(Clone, Default)]
-pub(crate) struct Counts {
+pub(crate) struct OpaqueCells {
+    bits: OpacityMatrix,
     beyond: Bricks<MoreSolids>,
 }
 
-impl Counts {
+impl OpaqueCells {
+    #[inline]
+    pub(crate) fn bits(&self) -> &OpacityMatrix {
+        &self.bits
+    }
+
     /// Adds a solid that contains cells of a brick.
-    pub(crate) fn add(&mut self, bits: &mut BitMatrix, brick: IVec3, mask: &Mask) {
-        let again = both(mask, bits.brick(brick));
+    pub(crate) fn add(&mut self, brick: IVec3, mask: &Mask) {
+        let again = both(mask, self.bits.brick(brick));
         if again != NONE {
             self.beyond.get_mut(brick).add(&again);
         }
         if again != *mask {
-            bits.set_mask(brick, mask);
+            self.bits.set_mask(brick, mask);
         }
     }
 
-    /// Removes a solid that contains cells of a brick, all of which are set. Clears and returns the
-    /// cells that no solid is left for.
-    pub(crate) fn take(&mut self, bits: &mut BitMatrix, brick: IVec3, mask: &Mask) -> Mask {
+    /// One solid fewer contains these cells of a brick, all of which are set: clears and gives
+    /// those that no other contains.
+    pub(crate) fn take(&mut self, brick: IVec3, mask: &Mask) -> Mask {
         let gone = match self.beyond.get_existing_mut(brick) {
             Some(beyond) => {
                 let gone = beyond.take(mask);
@@ -98,33 +104,38 @@ impl Counts {
             None => *mask,
         };
         if gone != NONE {
-            bits.clear_mask(brick, &gone);
+            self.bits.clear_mask(brick, &gone);
         }
         gone
     }
 
-    /// Adds a solid that contains a whole page, if no cell of the page is set yet. Returns whether
-    /// it did.
-    pub(crate) fn add_page(&mut self, bits: &mut BitMatrix, page: IVec3) -> bool {
-        let free = bits.pages().is_empty(page);
+    /// Adds a solid that contains a whole page; false, without a change, if a cell of the page is
+    /// set.
+    pub(crate) fn add_page(&mut self, page: IVec3) -> bool {
+        let free = self.bits.pages().is_empty(page);
         if free {
-            bits.fill_page(page);
+            self.bits.fill_page(page);
         }
         free
     }
 
-    /// Clears a page that a single solid made opaque. Returns whether it did.
-    pub(crate) fn take_page(&mut self, bits: &mut BitMatrix, page: IVec3) -> bool {
+    /// Clears a page that a single solid contains; false, without a change, if there are others.
+    pub(crate) fn take_page(&mut self, page: IVec3) -> bool {
         let single = self.beyond.pages().is_empty(page);
         if single {
-            bits.clear_page(page);
+            self.bits.clear_page(page);
         }
         single
     }
 
+    /// Makes a cell opaque that no single solid contains.
+    pub(crate) fn set(&mut self, cell: IVec3) {
+        self.bits.set(cell);
+    }
+
     pub(crate) fn bytes(&self) -> usize {
         let cells = self.beyond.iter().filter(|(_, b)| b.cells.is_some()).count();
-        self.beyond.bytes() + cells * size_of::<[u32; 512]>()
+        self.bits.bytes() + self.beyond.bytes() + cells * size_of::<[u32; 512]>()
     }
 }
 
@@ -138,13 +149,13 @@ mod tests {
         let mut random = Random::new(11);
         let mut next = |n: u32| random.below(n);
         let brick = IVec3::new(1, 2, 1);
-        let (mut bits, mut counts) = (BitMatrix::default(), Counts::default());
+        let mut counts = OpaqueCells::default();
         let mut held: Vec<Mask> = Vec::new();
         for step in 0..2000 {
             let fewer = step >= 1500 || held.len() > 8;
             if fewer && !held.is_empty() {
                 let mask = held.swap_remove(next(held.len() as u32) as usize);
-                let gone = counts.take(&mut bits, brick, &mask);
+                let gone = counts.take(brick, &mask);
                 for i in 0..512usize {
                     let has = |m: &Mask| m[i >> 6] >> (i & 63) & 1 != 0;
                     assert_eq!(has(&gone), has(&mask) && !held.iter().any(has), "step {step}, cell {i}");
@@ -155,12 +166,12 @@ mod tests {
                     1 => std::array::from_fn(|_| u64::from(next(1 << 16)) << (next(7) * 8)),
                     _ => std::array::from_fn(|z| if z < 5 { u64::MAX } else { u64::from(next(2)) }),
                 };
-                counts.add(&mut bits, brick, &mask);
+                counts.add(brick, &mask);
                 held.push(mask);
             }
             let all: Mask = std::array::from_fn(|z| held.iter().fold(0, |sum, m| sum | m[z]));
-            assert_eq!(*bits.brick(brick), all, "step {step}");
+            assert_eq!(*counts.bits.brick(brick), all, "step {step}");
         }
-        assert_eq!((bits.count(), counts.beyond.iter().count()), (0, 0));
+        assert_eq!((counts.bits.count(), counts.beyond.iter().count()), (0, 0));
     }
 }

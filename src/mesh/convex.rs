@@ -9,6 +9,7 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
+use crate::geometry::Block;
 use crate::mesh::surface::key;
 use crate::numeric::mesh::{DENT, HULL_ROOM};
 use crate::shape::{Convex, MAX_CONVEX};
@@ -37,8 +38,7 @@ pub(super) fn convex_solid(
         return None;
     }
     let points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
-    let (min, max) =
-        points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
+    let Block { min, max } = Block::around(points.iter().copied());
     let (size, largest) = ((max - min).length(), min.abs().max(max.abs()).max_element());
     let mut dent = 0.0f64;
     for t in triangles {

@@ -7,16 +7,14 @@ use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Part, Polytope};
 use crate::geometry::{Aabb, Block};
-use crate::grid::run::CellRun;
-use crate::grid::{Grid, REACH};
+use crate::grid::Grid;
 use crate::heap::in_arc;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::MOST_GROWTH;
 use crate::numeric::shape::{LENGTH_OF_ERROR, MOST_PULL};
-use crate::shape::Shape;
 use crate::shape::convex::Convex;
 use crate::shape::kind::Kind;
-use crate::shape::traits::{Rows, Which};
+use crate::shape::{Shape, Which};
 use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3A, DVec3, IVec3, Vec3, Vec3A};
@@ -304,12 +302,6 @@ impl Shape for Instance {
         (self.inner.block.min, self.inner.block.max)
     }
 
-    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
-    fn opaque(&self, _: &Grid, _: &mut dyn FnMut(CellRun)) {}
-
     fn contains_box(&self, _: DVec3, _: DVec3) -> bool {
         false
     }
@@ -317,15 +309,7 @@ impl Shape for Instance {
     fn contains_point(&self, _: DVec3) -> bool {
         false
     }
-}
 
-impl PartialEq for Instance {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(self.mesh(), other.mesh()) && self.placement() == other.placement()
-    }
-}
-
-impl Rows for Instance {
     /// It fills none, as its mesh may be open.
     fn corners(&self, grid: &Grid, which: Which) -> Option<(IVec3, IVec3)> {
         let (min, max) = self.bounds();
@@ -334,6 +318,12 @@ impl Rows for Instance {
 
     fn fills(&self, min: DVec3, max: DVec3) -> bool {
         Block::new(self.bounds()).contains(&Block { min, max })
+    }
+}
+
+impl PartialEq for Instance {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(self.mesh(), other.mesh()) && self.placement() == other.placement()
     }
 }
 
@@ -353,10 +343,6 @@ impl Kind for Instance {
     fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
         out(Arc::as_ptr(&self.inner).cast(), in_arc::<InstanceData>() + self.inner.solids.memory_bytes());
         self.mesh().shared(out);
-    }
-
-    fn rows(&self) -> Option<&dyn Rows> {
-        Some(self)
     }
 
     fn least_block(&self) -> Block {

@@ -8,7 +8,6 @@ mod index;
 pub(crate) mod inner;
 mod instance;
 mod lists;
-mod parallel;
 mod parts;
 mod preparation;
 mod raster;

@@ -12,7 +12,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::Block;
@@ -78,13 +78,17 @@ impl Shape for TriMesh {
         (self.bounds.min.as_dvec3(), self.bounds.max.as_dvec3())
     }
 
-    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+    fn has_rows(&self) -> bool {
+        false
+    }
+
+    fn touched_rows(&self, grid: &Grid, _: IVec3, _: IVec3, out: &mut dyn FnMut(CellRun)) {
         if let Some(cells) = self.surface_cells(grid) {
             cells.runs.iter().for_each(|&run| out(run));
         }
     }
 
-    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+    fn opaque_rows(&self, grid: &Grid, _: IVec3, _: IVec3, out: &mut dyn FnMut(CellRun)) {
         if !self.solid {
             return;
         }

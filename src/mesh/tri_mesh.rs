@@ -13,7 +13,6 @@ use crate::mesh::cells::{CachedCells, CellCache};
 use crate::mesh::convex::convex_solid;
 use crate::mesh::index::Index;
 use crate::mesh::inner::{Inner, inner_solid};
-use crate::mesh::parallel;
 use crate::mesh::parts;
 use crate::mesh::preparation::{Facing, MeshOptions, Progress};
 use crate::mesh::shell::{MeshShells, may_have_shells, open_shells};
@@ -153,9 +152,6 @@ impl TriMesh {
     /// done, from 0 to 1, on the thread that called. Where it answers [`ControlFlow::Break`], the
     /// preparation ends: soon, but not at once.
     ///
-    /// With the feature `rayon` several threads take part. The mesh does not depend on their
-    /// number.
-    ///
     /// ```
     /// use std::ops::ControlFlow;
     ///
@@ -192,14 +188,11 @@ impl TriMesh {
         let welded = Welded::new(&positions, &triangles);
         let topology = welded.topology;
         progress.tell(0.2)?;
-        let (parts, surface) = parallel::both(
-            || parts::parts(&positions, &triangles),
-            || match how.occludes {
-                true => Surface::of(&welded, &rules, &mut progress.part(0.2, 0.9)),
-                false => Ok(Surface::default()),
-            },
-        );
-        let surface = surface?;
+        let surface = match how.occludes {
+            true => Surface::of(&welded, &rules, &mut progress.part(0.2, 0.9))?,
+            false => Surface::default(),
+        };
+        let parts = parts::parts(&positions, &triangles);
         let Welded { first, .. } = welded;
         progress.tell(1.0)?;
         let flags = (topology, how.occludes);

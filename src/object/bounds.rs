@@ -2,18 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use crate::error::Error;
 use crate::geometry::{Aabb, Block, Obb, Sphere};
-use crate::grid::Grid;
-use crate::grid::run::CellRun;
 use crate::mesh::{Instance, TriMesh};
 use crate::object::kinds::kinds;
-use crate::shape::Shape;
 use crate::shape::kind::Kind;
-use crate::shape::pieces::Parts;
-use crate::shape::traits::Rows;
 
 /// The shape that is tested for visibility: the object's whole geometry must lie inside.
 #[derive(Debug, Clone)]

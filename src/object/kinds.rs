@@ -40,34 +40,6 @@ macro_rules! kinds {
             }
         }
 
-        impl Shape for $name {
-            fn bounds(&self) -> (DVec3, DVec3) {
-                self.kind().bounds()
-            }
-
-            fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-                self.kind().touched(grid, out);
-            }
-
-            fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-                self.kind().opaque(grid, out);
-            }
-
-            fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
-                self.kind().contains_box(min, max)
-            }
-
-            fn contains_point(&self, point: DVec3) -> bool {
-                self.kind().contains_point(point)
-            }
-        }
-
-        impl Parts for $name {
-            fn rows(&self) -> Option<&dyn Rows> {
-                self.kind().rows()
-            }
-        }
-
         $(impl From<$kind> for $name {
             fn from(shape: $kind) -> Self {
                 Self::$variant(shape)

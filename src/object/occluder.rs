@@ -9,16 +9,13 @@ use crate::geometry::placement::Placement;
 use crate::geometry::polytope::Part;
 use crate::geometry::{Aabb, Block, Obb, Sphere};
 use crate::grid::Grid;
-use crate::grid::run::CellRun;
 use crate::mesh::cells::CachedCells;
 use crate::mesh::inner::Inner;
 use crate::mesh::surface::Surface;
 use crate::mesh::{Instance, TriMesh};
 use crate::object::kinds::kinds;
+use crate::shape::Convex;
 use crate::shape::kind::Kind;
-use crate::shape::pieces::Parts;
-use crate::shape::traits::Rows;
-use crate::shape::{Convex, Shape};
 
 /// The part of an object that hides others: it must lie inside the object's
 /// solid geometry.

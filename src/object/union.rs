@@ -2,7 +2,6 @@
 
 use crate::geometry::Block;
 use crate::object::Occluder;
-use crate::shape::Shape;
 
 /// A block is cut into pieces at this many boxes, at most.
 const BUDGET: u32 = 64;
@@ -13,7 +12,7 @@ const BUDGET: u32 = 64;
 /// seams; the rest must lie inside one of the other solids.
 pub(crate) fn union_contains(block: &Block, solids: &[&Occluder]) -> bool {
     fn covered(block: &Block, solids: &[&Occluder], budget: &mut u32) -> bool {
-        if solids.iter().any(|s| s.contains_box(block.min, block.max)) {
+        if solids.iter().any(|s| s.kind().contains_box(block.min, block.max)) {
             return true;
         }
         if *budget == 0 {

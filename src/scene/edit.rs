@@ -4,7 +4,7 @@ use casca_slots::Slot;
 use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
-use crate::geometry::{Aabb, Block};
+use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::object::{Bounds, ObjectDesc, Occluder, check_pair, instances_at};
 use crate::scene::Scene;
@@ -244,8 +244,8 @@ impl Scene {
     /// Moves many placed objects, as [`Scene::set_transform`] does one by one. All moves are made
     /// but those that are refused.
     ///
-    /// Costs the shapes under their new transforms, and a comparison for each object that hides
-    /// nothing and stays in its zone of 32x32x32 cells, or in its volume.
+    /// Costs the shapes under their new transforms, and little more for each object that hides
+    /// nothing and stays in its zone of 32x32x32 cells, in its bricks or in its volume.
     ///
     /// # Errors
     /// The first move that was refused, with the reasons of [`Scene::set_transform`].
@@ -391,23 +391,6 @@ impl Scene {
         object.bounds = bounds.clone();
         self.index.enter_zone(&self.grid, (id.0, zone), object.is_plain(), (lower, upper));
         self.changes.changed();
-        true
-    }
-
-    /// Takes over bounds of an object that hides nothing, if it stays in its room with them; false,
-    /// without a change, if not.
-    pub(super) fn stay_in_room(&mut self, slot: Slot, bounds: &Bounds) -> bool {
-        let Aabb { min, max } = bounds.aabb();
-        if !self.index.rooms.hold(self.slots.id(slot), min.into(), max.into()) {
-            return false;
-        }
-        let object = &mut self.slots[slot];
-        object.bounds = bounds.clone();
-        object.moved = self.changes.moved();
-        if !object.is_hidden() {
-            self.changes.changed();
-            self.refresh_mover(slot);
-        }
         true
     }
 }

@@ -8,7 +8,6 @@ use crate::grid::cell_box::{CellBox, volume};
 use crate::grid::clip;
 use crate::object::Occluder;
 use crate::scene::Scene;
-use crate::shape::Shape;
 use crate::view::{View, cut};
 
 /// Beyond this many cells before the near plane all occluders are asked instead.
@@ -24,7 +23,7 @@ pub(crate) fn inside_occluder(scene: &Scene, point: DVec3, layers: u64) -> bool 
     let around = Block { min: point, max: point };
     let contains = |slot| {
         let occluder = shown_occluder(scene, slot, layers);
-        occluder.is_some_and(|o| o.block().may_meet(&around) && o.contains_point(point))
+        occluder.is_some_and(|o| o.block().may_meet(&around) && o.kind().contains_point(point))
     };
     scene.always().iter().copied().any(contains)
         || scene.is_opaque(cell, layers)

@@ -9,13 +9,11 @@ use std::num::NonZeroU8;
 
 use glam::IVec3;
 
-use crate::grid::Grid;
 use crate::grid::mask::Mask;
 use crate::matrix::bits::{BitMatrix, OpacityMatrix};
-use crate::object::{ALL_LAYERS, Occluder};
-use crate::scene::opaque::OpaqueCells;
+use crate::matrix::counts::OpaqueCells;
+use crate::object::ALL_LAYERS;
 use crate::scene::reports::Overdue;
-use crate::shape::pieces::Moved;
 
 /// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for
 /// each 64x64x64 cells of the grid and matrix, and each query asks all parts that its view shows.
@@ -100,26 +98,21 @@ impl LayerOpacity {
     }
 }
 
-/// The opaque cells of a scene.
+/// The opaque cells of a scene: never without a part.
 #[derive(Clone)]
-pub(super) struct Opacity {
-    /// Never empty.
-    parts: Vec<LayerOpacity>,
-    /// Memory used again: the cells of an occluder that moves.
-    moved: Moved,
-}
+pub(super) struct Opacity(Vec<LayerOpacity>);
 
 impl Opacity {
     pub(super) fn new() -> Self {
-        Self { parts: vec![LayerOpacity::new(ALL_LAYERS)], moved: Moved::default() }
+        Self(vec![LayerOpacity::new(ALL_LAYERS)])
     }
 
     pub(super) fn parts(&self) -> &[LayerOpacity] {
-        &self.parts
+        &self.0
     }
 
     pub(super) fn part_mut(&mut self, part: OpacityPart) -> &mut LayerOpacity {
-        &mut self.parts[part.at()]
+        &mut self.0[part.at()]
     }
 
     /// The part for an occluder on some layers, which is now in it; none if no view shows it, or if
@@ -128,36 +121,19 @@ impl Opacity {
         if layers == 0 {
             return None;
         }
-        let of_mask = self.parts.iter().position(|part| part.layers == layers);
-        let idle = || self.parts.iter().position(|part| part.occluders == 0);
-        let at = of_mask.or_else(idle).unwrap_or(self.parts.len());
+        let of_mask = self.0.iter().position(|part| part.layers == layers);
+        let idle = || self.0.iter().position(|part| part.occluders == 0);
+        let at = of_mask.or_else(idle).unwrap_or(self.0.len());
         if at == MOST_PARTS {
             return None;
         }
-        if at == self.parts.len() {
-            self.parts.push(LayerOpacity::new(layers));
-        } else if self.parts[at].layers != layers {
-            self.parts[at] = LayerOpacity::new(layers);
+        if at == self.0.len() {
+            self.0.push(LayerOpacity::new(layers));
+        } else if self.0[at].layers != layers {
+            self.0[at] = LayerOpacity::new(layers);
         }
-        self.parts[at].occluders += 1;
+        self.0[at].occluders += 1;
         Some(OpacityPart::new(at))
-    }
-
-    /// Moves the cells of a dynamic occluder in its part.
-    pub(super) fn move_occluder(
-        &mut self,
-        grid: &Grid,
-        part: OpacityPart,
-        before: Option<&Occluder>,
-        after: Option<&Occluder>,
-    ) {
-        let cells = &mut self.parts[part.at()].moving;
-        if self.moved.opaque(before, after, grid) {
-            self.moved.iter().for_each(|(brick, old, new)| cells.exchange(brick, old, new));
-        } else {
-            before.into_iter().for_each(|o| cells.remove(o, grid));
-            after.into_iter().for_each(|o| cells.add(o, grid));
-        }
     }
 
     /// An occluder leaves its part. Its cells are cleared.
@@ -167,19 +143,17 @@ impl Opacity {
 
     /// The clock moves.
     pub(super) fn clock_moved(&mut self) {
-        self.parts.iter_mut().for_each(|part| part.on_expiry.clock_moved());
+        self.0.iter_mut().for_each(|part| part.on_expiry.clock_moved());
     }
 
     /// How many occluders of unknown place there are.
     #[cfg(test)]
     pub(super) fn overdue(&self) -> usize {
-        self.parts.iter().map(|part| part.on_expiry.count()).sum()
+        self.0.iter().map(|part| part.on_expiry.count()).sum()
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.parts.capacity() * size_of::<LayerOpacity>()
-            + self.parts.iter().map(LayerOpacity::bytes).sum::<usize>()
-            + self.moved.bytes()
+        self.0.capacity() * size_of::<LayerOpacity>() + self.0.iter().map(LayerOpacity::bytes).sum::<usize>()
     }
 }
 

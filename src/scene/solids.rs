@@ -14,6 +14,7 @@ use crate::grid::{Grid, clip};
 use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
 use crate::scene::opacity::LayerOpacity;
+use crate::scene::opaque::add_cells;
 use crate::scene::static_solids::{Large, MOST_ASKED, NearSolids, StaticSolids};
 use crate::shape::pieces::{Asked, Piece, is_too_large, opaque, touched_where};
 
@@ -50,7 +51,7 @@ pub(super) fn add_static_solid(opacity: &mut LayerOpacity, occluder: &Occluder, 
     if is_larger_than_cells(occluder, grid) {
         return;
     }
-    opacity.fixed.add(occluder, grid);
+    add_cells(&mut opacity.fixed, occluder, grid);
     if !occluder.is_solid() {
         return;
     }
@@ -64,7 +65,7 @@ pub(super) fn add_static_solid(opacity: &mut LayerOpacity, occluder: &Occluder, 
     };
     let brick_asked = |brick: IVec3| *fixed.brick(brick) != ALL;
     let asked = Asked { page: &page_asked, brick: &brick_asked };
-    touched_where(occluder, grid, asked, &mut |brick, mask| {
+    touched_where(occluder.kind(), grid, asked, &mut |brick, mask| {
         let open = without(mask, fixed.brick(brick));
         let near = others.in_brick(brick, &own.1, &large);
         if !near.is_empty() {
@@ -105,7 +106,7 @@ fn clear_solid(
     large: &Large,
 ) -> Vec<(IVec3, Mask)> {
     let mut cleared: Vec<(IVec3, Mask)> = Vec::new();
-    opaque(occluder, others.grid, &mut |piece| {
+    opaque(occluder.kind(), others.grid, &mut |piece| {
         if let Piece::Page(page) = piece
             && opacity.fixed.take_page(page)
         {

@@ -79,7 +79,9 @@ impl SpatialIndex {
         if !object.in_cells {
             self.always.insert(slot);
         } else if object.is_static() {
-            touched(&object.bounds, grid, &mut |piece| piece.bricks(|brick, _| self.ids.insert(brick, slot)));
+            touched(object.bounds.kind(), grid, &mut |piece| {
+                piece.bricks(|brick, _| self.ids.insert(brick, slot))
+            });
         } else {
             self.enter_bricks(grid, id, object);
         }
@@ -91,7 +93,9 @@ impl SpatialIndex {
         if std::mem::take(&mut object.in_zone) {
             self.zones.remove(slot);
         } else if object.in_cells && object.is_static() {
-            touched(&object.bounds, grid, &mut |piece| piece.bricks(|brick, _| self.ids.remove(brick, slot)));
+            touched(object.bounds.kind(), grid, &mut |piece| {
+                piece.bricks(|brick, _| self.ids.remove(brick, slot))
+            });
         } else if object.in_cells {
             object.bricks().cells().for_each(|brick| self.ids.remove(brick, slot));
         }

@@ -10,7 +10,6 @@ use crate::object::Occluder;
 use crate::scene::object::Object;
 use crate::scene::opacity::OpacityPart;
 use crate::scene::spatial_index::SpatialIndex;
-use crate::shape::pieces::misses;
 
 /// How many of the objects that share a cell or a brick with a solid are looked at, to find others
 /// that fill a cell together with it. If there are more, the cell stays transparent.
@@ -73,6 +72,6 @@ impl<'a> StaticSolids<'a> {
 
     /// Whether some of the large ones may touch a box.
     pub(super) fn large_touch(&self, min: DVec3, max: DVec3, large: &Large) -> bool {
-        large.iter().any(|&s| self.solid(s).is_some_and(|o| !misses(o, min, max)))
+        large.iter().any(|&s| self.solid(s).is_some_and(|o| !o.kind().misses(min, max)))
     }
 }

@@ -10,6 +10,7 @@ use crate::numeric::scene::earliest_arrival;
 use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
 use crate::scene::home::{Hidden, Validity};
+use crate::scene::opaque::{add_cells, take_cells};
 use crate::scene::solids::{add_static_solid, remove_static_solid};
 use crate::scene::spatial_index::zone_for;
 use crate::scene::static_solids::StaticSolids;
@@ -25,10 +26,9 @@ impl Scene {
         self.note_report(slot);
         let object = &mut self.slots[slot];
         let same = object.bounds.same(&bounds) && same_occluder(object.occluder(), occluder.as_ref());
-        if same && !object.is_expired() || occluder.is_none() && self.stay_in_room(slot, &bounds) {
+        if same && !object.is_expired() {
             return;
         }
-        let object = &mut self.slots[slot];
         object.moved = self.changes.moved();
         let volume = object.volume().copied();
         self.note_static(slot);
@@ -96,7 +96,7 @@ impl Scene {
                 let (grid, objects, index) = (&self.grid, &self.slots, &self.index);
                 add_static_solid(cells, occluder, &StaticSolids { grid, objects, index, part });
             } else {
-                cells.moving.add(occluder, &self.grid);
+                add_cells(&mut cells.moving, occluder, &self.grid);
             }
             if object.on_expiry() {
                 cells.on_expiry.enter(self.clock.reports.is_current(slot));
@@ -119,7 +119,7 @@ impl Scene {
                 let (grid, objects, index) = (&self.grid, &self.slots, &self.index);
                 remove_static_solid(cells, occluder, &StaticSolids { grid, objects, index, part });
             }
-            Some(occluder) => cells.moving.remove(occluder, &self.grid),
+            Some(occluder) => take_cells(&mut cells.moving, occluder, &self.grid),
             None => {}
         }
         if object.on_expiry() {
@@ -140,7 +140,9 @@ impl Scene {
             return self.list(slot);
         }
         if let Some(part) = object.opacity {
-            self.opacity.move_occluder(grid, part, object.occluder(), hides);
+            let cells = &mut self.opacity.part_mut(part).moving;
+            object.occluder().inspect(|before| take_cells(cells, before, grid));
+            hides.inspect(|after| add_cells(cells, after, grid));
         }
         self.exchange_shape(slot, bounds, occluder);
         self.index.boxes.put(slot, &self.slots[slot]);

@@ -5,23 +5,13 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::error::Error;
 use crate::geometry::body::Body;
 use crate::geometry::{Aabb, Block};
-use crate::grid::run::CellRun;
-use crate::grid::{Grid, REACH};
-use crate::shape::Shape;
+use crate::grid::Grid;
 use crate::shape::kind::Kind;
-use crate::shape::traits::{Rows, Which};
+use crate::shape::{Shape, Which};
 
 impl Shape for Aabb {
     fn bounds(&self) -> (DVec3, DVec3) {
         (self.min.as_dvec3(), self.max.as_dvec3())
-    }
-
-    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
-    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.opaque_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
@@ -31,9 +21,7 @@ impl Shape for Aabb {
     fn contains_point(&self, point: DVec3) -> bool {
         Block::from(*self).contains_point(point)
     }
-}
 
-impl Rows for Aabb {
     fn corners(&self, grid: &Grid, which: Which) -> Option<(IVec3, IVec3)> {
         let (min, max) = self.bounds();
         Some(match which {
@@ -58,10 +46,6 @@ impl Kind for Aabb {
 
     fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
         Ok(Some(Aabb::new(self.min + offset, self.max + offset)))
-    }
-
-    fn rows(&self) -> Option<&dyn Rows> {
-        Some(self)
     }
 
     fn as_block(&self) -> Option<Block> {

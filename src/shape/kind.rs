@@ -8,7 +8,6 @@ use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::Part;
 use crate::shape::Shape;
-use crate::shape::traits::Rows;
 
 /// A kind of bounds or occluders. Answers that a kind does not give are those of its bounding box.
 pub(crate) trait Kind: Shape {
@@ -43,11 +42,6 @@ pub(crate) trait Kind: Shape {
     /// Tells the parts of it that several objects may share: the place of each in memory, and its
     /// bytes.
     fn shared(&self, _: &mut dyn FnMut(*const u8, usize)) {}
-
-    /// The shape, if it can be asked for single rows of cells.
-    fn rows(&self) -> Option<&dyn Rows> {
-        None
-    }
 
     /// A box around the shape.
     fn block(&self) -> Block {

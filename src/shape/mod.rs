@@ -12,7 +12,7 @@ pub(crate) mod kind;
 mod obb;
 pub(crate) mod pieces;
 mod sphere;
-pub(crate) mod traits;
+mod traits;
 
 pub use convex::{Convex, MAX_CONVEX};
-pub use traits::Shape;
+pub use traits::{Shape, Which};

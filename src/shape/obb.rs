@@ -9,13 +9,12 @@ use crate::error::Error;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Obb};
+use crate::grid::Grid;
 use crate::grid::run::CellRun;
-use crate::grid::{Grid, REACH};
 use crate::numeric::shape::{DISTANCE, REGION};
 use crate::shape::Shape;
 use crate::shape::filter::filtered;
 use crate::shape::kind::Kind;
-use crate::shape::traits::Rows;
 
 impl Obb {
     /// Centre, half-axes as columns, and the margin of coordinates.
@@ -63,14 +62,6 @@ impl Shape for Obb {
         (c - radius, c + radius)
     }
 
-    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
-    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.opaque_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
         self.holds()(min, max)
     }
@@ -81,9 +72,7 @@ impl Shape for Obb {
         let slack = margin + DISTANCE * point.abs().max_element();
         (0..3).all(|i| turn.col(i).dot(point - c).abs() <= half[i] + slack)
     }
-}
 
-impl Rows for Obb {
     fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
         filtered(grid, self.bounds(), (lo, hi), self.near(), out);
     }
@@ -112,10 +101,6 @@ impl Kind for Obb {
 
     fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
         Ok(Some(Obb { center: self.center + offset, ..*self }))
-    }
-
-    fn rows(&self) -> Option<&dyn Rows> {
-        Some(self)
     }
 
     fn may_reach(&self, planes: &[HalfSpace]) -> bool {

@@ -8,12 +8,11 @@ use crate::error::Error;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Sphere};
+use crate::grid::Grid;
 use crate::grid::run::CellRun;
-use crate::grid::{Grid, REACH};
 use crate::numeric::shape::{DISTANCE, REGION, SPHERE_BOX};
 use crate::shape::Shape;
 use crate::shape::kind::Kind;
-use crate::shape::traits::Rows;
 
 impl Sphere {
     fn parts(&self) -> (DVec3, f64, f64) {
@@ -33,14 +32,6 @@ impl Shape for Sphere {
         (c - (r + margin), c + (r + margin))
     }
 
-    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
-    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.opaque_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
         let (c, r, margin) = self.parts();
         let farthest = (c - min).abs().max((max - c).abs());
@@ -54,9 +45,7 @@ impl Shape for Sphere {
         let (c, r, margin) = self.parts();
         point.distance_squared(c) <= (r + margin) * (r + margin)
     }
-}
 
-impl Rows for Sphere {
     fn touched_rows(&self, grid: &Grid, from: IVec3, to: IVec3, out: &mut dyn FnMut(CellRun)) {
         let (c, r, margin) = self.parts();
         let r = r + margin;
@@ -131,10 +120,6 @@ impl Kind for Sphere {
         Ok(Some(Sphere::new(self.center + offset, self.radius)))
     }
 
-    fn rows(&self) -> Option<&dyn Rows> {
-        Some(self)
-    }
-
     fn may_reach(&self, planes: &[HalfSpace]) -> bool {
         let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
         let largest = c.abs().max_element() + r;
@@ -178,6 +163,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::shape::Which;
 
     #[test]
     fn rows_agree_with_cell_by_cell_tests() {
@@ -191,8 +177,12 @@ mod tests {
         ];
         for s in spheres {
             let (mut touched, mut opaque) = (BTreeSet::new(), BTreeSet::new());
-            s.touched(&grid, &mut |run| run.cells().for_each(|c| assert!(touched.insert(c.to_array()))));
-            s.opaque(&grid, &mut |run| run.cells().for_each(|c| assert!(opaque.insert(c.to_array()))));
+            s.rows(&grid, Which::Touched, &mut |run| {
+                run.cells().for_each(|c| assert!(touched.insert(c.to_array())))
+            });
+            s.rows(&grid, Which::Opaque, &mut |run| {
+                run.cells().for_each(|c| assert!(opaque.insert(c.to_array())))
+            });
             let (c, r) = (s.center.as_dvec3(), f64::from(s.radius));
             for i in 0..8000 {
                 let cell = IVec3::new(i % 20, i / 20 % 20, i / 400);
@@ -216,7 +206,7 @@ mod tests {
             let corner = Vec3::new((i % 11) as f32, (i % 13) as f32, (i % 4) as f32 + 3.0);
             let s = Sphere::new(center, center.distance(corner));
             let mut rows = BTreeSet::new();
-            s.opaque(&grid, &mut |run| rows.extend(run.cells().map(|c| c.to_array())));
+            s.rows(&grid, Which::Opaque, &mut |run| rows.extend(run.cells().map(|c| c.to_array())));
             for j in 0..24 * 24 * 24 {
                 let cell = IVec3::new(j % 24, j / 24 % 24, j / 576);
                 let (min, max) = grid.cell_bounds(cell);

@@ -12,7 +12,6 @@ use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::REGION;
 use crate::numeric::view::ALONG_RAYS;
 use crate::object::Occluder;
-use crate::shape::Shape;
 use crate::view::{Origin, View};
 
 impl View {
@@ -36,10 +35,7 @@ impl View {
         });
         regions.chain(self.before_turned()).filter_map(move |region| {
             let corners = region.corners(min, max);
-            let block = corners.iter().fold(None, |b: Option<Block>, &c| {
-                Some(b.map_or(Block { min: c, max: c }, |b| Block { min: b.min.min(c), max: b.max.max(c) }))
-            })?;
-            Some((region, block))
+            (!corners.is_empty()).then(|| (region, Block::around(corners)))
         })
     }
 
@@ -77,7 +73,7 @@ pub(crate) fn may_start_in(
     cut.iter().any(meets)
         || match view.origin {
             Origin::Direction(d) => view.cuts_front(d, &occluder.block()),
-            Origin::Eye { at, .. } => occluder.contains_point(at) || unsure.is_some_and(meets),
+            Origin::Eye { at, .. } => occluder.kind().contains_point(at) || unsure.is_some_and(meets),
         }
 }
 

@@ -7,14 +7,13 @@ use crate::geometry::Block;
 use crate::geometry::clip::{clip, sides_of_box};
 use crate::numeric::view::CLIP;
 use crate::object::Bounds;
-use crate::shape::Shape;
 use crate::view::View;
 
 impl View {
     /// Whether bounds may have points in each half-space of the view, or may contain the eye: in
     /// front of a near plane that is known to a few digits only, that is doubt enough.
     pub(crate) fn may_see(&self, bounds: &Bounds) -> bool {
-        let holds_eye = |at| self.eye_box() != DVec3::ZERO || bounds.contains_point(at);
+        let holds_eye = |at| self.eye_box() != DVec3::ZERO || bounds.kind().contains_point(at);
         bounds.kind().may_reach(&self.planes)
             || self.may_be_in(&bounds.block()) && self.eye().is_some_and(holds_eye)
     }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use casca::internals::Shape;
+use casca::internals::{Shape, Which};
 
 use crate::common::*;
 use crate::forms::{Form, Recipe, recipe};
@@ -63,7 +63,7 @@ proptest! {
         let mesh = TriMesh::new(positions, triangles).unwrap();
         let grid = Grid::new(cell).unwrap();
         let mut cells: Vec<IVec3> = Vec::new();
-        mesh.opaque(&grid, &mut |run| cells.extend(run.cells()));
+        mesh.rows(&grid, Which::Opaque, &mut |run| cells.extend(run.cells()));
         let all = triangles_of(&mesh);
         let mut random = Random(seed);
         prop_assert!(mesh.is_closed() || cells.is_empty());
@@ -113,7 +113,7 @@ fn sound_solids_are_found_inside() {
     assert!(mesh.is_closed() && mesh.contains_box(DVec3::splat(6.0), DVec3::splat(10.0)));
     let grid = Grid::new(0.5).unwrap();
     let mut count = 0;
-    mesh.opaque(&grid, &mut |run| count += run.cells().count());
+    mesh.rows(&grid, Which::Opaque, &mut |run| count += run.cells().count());
     assert!(count > 5000, "{count}");
 }
 
@@ -129,7 +129,7 @@ fn solids_that_hide_from_their_front_are_wound_outwards() {
             TriMesh::prepare(positions.clone(), triangles, &how, &mut |_| ControlFlow::Continue(())).unwrap();
         assert!(mesh.is_closed());
         let mut count = 0;
-        mesh.opaque(&grid, &mut |run| count += run.cells().count());
+        mesh.rows(&grid, Which::Opaque, &mut |run| count += run.cells().count());
         count
     };
     assert!(cells(faces.clone()) > 500);

@@ -1,7 +1,7 @@
 //! The opaque cells of a scene after solids came, moved and went, against the runs of each solid
 //! alone and against points inside them.
 
-use casca::internals::{BitMatrix, SceneInternals, Shape};
+use casca::internals::{BitMatrix, SceneInternals, Shape, ShapeInternals, Which};
 
 use crate::common::*;
 
@@ -27,7 +27,7 @@ fn some_solid(random: &mut Random, size: f32, most: f32) -> Occluder {
 
 /// A box around a solid.
 fn box_of(solid: &Occluder) -> Aabb {
-    let (min, max) = solid.bounds();
+    let (min, max) = solid.shape().bounds();
     Aabb::new(min.as_vec3() - 0.01, max.as_vec3() + 0.01)
 }
 
@@ -35,7 +35,7 @@ fn box_of(solid: &Occluder) -> Aabb {
 fn alone<'a>(scene: &Scene, solids: impl IntoIterator<Item = &'a Occluder>) -> BitMatrix {
     let mut cells = BitMatrix::default();
     for solid in solids {
-        solid.opaque(scene.grid(), &mut |run| run.cells().for_each(|c| cells.set(c)));
+        solid.shape().rows(scene.grid(), Which::Opaque, &mut |run| run.cells().for_each(|c| cells.set(c)));
     }
     cells
 }
@@ -48,7 +48,7 @@ fn assert_same(a: &BitMatrix, b: &BitMatrix, what: &str) {
 fn assert_filled(cell: IVec3, solids: &[&Occluder]) {
     for i in 0..64 {
         let at = IVec3::new(i % 4, i / 4 % 4, i / 16).as_dvec3() * 0.332 + 0.002;
-        assert!(solids.iter().any(|s| s.contains_point(cell.as_dvec3() + at)), "{cell} is open");
+        assert!(solids.iter().any(|s| s.shape().contains_point(cell.as_dvec3() + at)), "{cell} is open");
     }
 }
 
@@ -81,7 +81,10 @@ fn come_and_go(seed: u64, cells: u32, most: f32, steps: usize) -> usize {
             for i in 0..125 {
                 let at = IVec3::new(i % 5, i / 5 % 5, i / 25).as_dvec3() * 0.249 + 0.002;
                 let point = c.as_dvec3() + at;
-                assert!(held.iter().any(|h| h.1.contains_point(point)), "seed {seed}, step {step}, cell {c}");
+                assert!(
+                    held.iter().any(|h| h.1.shape().contains_point(point)),
+                    "seed {seed}, step {step}, cell {c}"
+                );
             }
         }
     }
@@ -204,7 +207,7 @@ fn dynamic_solids_make_their_own_cells_opaque_and_no_others() {
             let mut entries = 0;
             for (_, solid) in &held {
                 let mut bricks = BTreeSet::new();
-                box_of(solid).touched(scene.grid(), &mut |run| {
+                box_of(solid).rows(scene.grid(), Which::Touched, &mut |run| {
                     bricks.extend(run.cells().map(|cell| (cell >> 3i32).to_array()));
                 });
                 entries += bricks.len();
@@ -234,7 +237,7 @@ fn huge_solids_cost_their_surface() {
             assert!(scene.is_opaque(IVec3::splat(512)) && !scene.is_opaque(IVec3::ZERO));
             let surface = scene.memory().total() - bare;
             assert!(surface < 40 << 20, "{surface} bytes for {solid:?}");
-            let inside = solid.contains_box(DVec3::splat(511.0), DVec3::splat(513.0));
+            let inside = solid.shape().contains_box(DVec3::splat(511.0), DVec3::splat(513.0));
             assert!(inside);
             scene.remove(id).unwrap();
             assert!(!scene.is_opaque(IVec3::splat(512)));

@@ -1,6 +1,6 @@
 //! Objects placed by a transform: their shapes against points, and their moves in a scene.
 
-use casca::internals::{SceneInternals, Shape};
+use casca::internals::{SceneInternals, Shape, ShapeInternals};
 use casca_scenes::world::Mesh;
 
 use crate::common::*;
@@ -46,7 +46,7 @@ fn placed(desc: ObjectDesc, t: Affine3A) -> (Bounds, Option<Occluder>) {
 }
 
 /// Points of the box around a shape, from shares of its sides.
-fn points(shape: &impl Shape, shares: &[Vec3]) -> Vec<DVec3> {
+fn points(shape: &dyn Shape, shares: &[Vec3]) -> Vec<DVec3> {
     let (min, max) = shape.bounds();
     shares.iter().map(|s| min + (max - min) * s.as_dvec3()).collect()
 }
@@ -57,7 +57,7 @@ fn as_bounds(solid: &Occluder) -> Bounds {
         Occluder::Oriented(b) => (**b).into(),
         Occluder::Sphere(s) => (*s).into(),
         solid => {
-            let (min, max) = solid.bounds();
+            let (min, max) = solid.shape().bounds();
             Aabb::new(min.as_vec3() - 1e-3, max.as_vec3() + 1e-3).into()
         }
     }
@@ -68,22 +68,23 @@ fn as_bounds(solid: &Occluder) -> Bounds {
 fn check(solid: &Occluder, t: Affine3A, shares: &[Vec3]) -> usize {
     let local = as_bounds(solid);
     let (bounds, occluder) = placed(ObjectDesc::fixed(local.clone()).occluder(solid.clone()), t);
-    let (low, high) = bounds.bounds();
-    for p in points(&local, shares).into_iter().map(|p| p.as_vec3()) {
+    let (low, high) = bounds.shape().bounds();
+    for p in points(local.shape(), shares).into_iter().map(|p| p.as_vec3()) {
         let at = t.transform_point3(p).as_dvec3();
-        if local.contains_box(p.as_dvec3(), p.as_dvec3()) {
-            assert!(bounds.contains_box(at, at), "{local:?} {t:?} {bounds:?} {p}");
+        if local.shape().contains_box(p.as_dvec3(), p.as_dvec3()) {
+            assert!(bounds.shape().contains_box(at, at), "{local:?} {t:?} {bounds:?} {p}");
             assert!(at.cmpge(low).all() && at.cmple(high).all());
         }
     }
     let Some(occluder) = occluder else { return 0 };
     let back = exact(t).inverse();
-    let inside = points(&occluder, shares).into_iter().filter(|&p| occluder.contains_box(p, p));
+    let inside =
+        points(occluder.shape(), shares).into_iter().filter(|&p| occluder.shape().contains_box(p, p));
     let mut found = 0;
     for p in inside {
         found += 1;
         let own = back.transform_point3(p);
-        assert!(solid.contains_point(own), "{solid:?} {t:?} {occluder:?} {p} {own}");
+        assert!(solid.shape().contains_point(own), "{solid:?} {t:?} {occluder:?} {p} {own}");
     }
     found
 }

@@ -72,28 +72,6 @@ pub(super) struct Lamp {
     layers: u64,
 }
 
-impl Lamp {
-    pub(super) fn new(light: &Light) -> Result<Self, Error> {
-        Ok(Self { rays: Rays::new(&light.kind)?, layers: light.layers })
-    }
-
-    /// The part of a box that the light may reach; `None` if it reaches none of it.
-    pub(super) fn lit(&self, block: &Block) -> Option<Block> {
-        self.rays.lit(block)
-    }
-
-    /// All that the light may reach, of objects on its layers.
-    pub(super) fn whole_view(&self) -> View {
-        self.rays.whole_view().with_layers(self.layers)
-    }
-
-    /// A view of objects on its layers with all rays of the light to some boxes; `None` if there
-    /// are no boxes.
-    pub(super) fn view_of(&self, pieces: &[Block]) -> Option<View> {
-        Some(self.rays.view_of(pieces)?.with_layers(self.layers))
-    }
-}
-
 /// Where the rays of a light start, and which way they go.
 #[derive(Debug)]
 enum Rays {
@@ -103,20 +81,21 @@ enum Rays {
     },
     Bulb {
         at: DVec3,
-        range: f64,
+        /// Its range, widened for rounding.
+        farthest: f64,
     },
     Spot(Box<View>),
 }
 
-impl Rays {
-    fn new(kind: &LightKind) -> Result<Self, Error> {
-        match kind {
+impl Lamp {
+    pub(super) fn new(light: &Light) -> Result<Self, Error> {
+        let rays = match &light.kind {
             LightKind::Directional(direction) => {
                 const WHAT: &str = "the direction of the light";
                 finite3(WHAT, *direction)?;
                 let along = direction.as_dvec3().try_normalize().ok_or(Error::NoDirection { what: WHAT })?;
                 let (right, up) = along.any_orthonormal_pair();
-                Ok(Self::Sun { axes: [right, up, along] })
+                Rays::Sun { axes: [right, up, along] }
             }
             LightKind::Point { position, range } => {
                 finite3("the position of the light", *position)?;
@@ -125,51 +104,48 @@ impl Rays {
                     let what = "the range of the light";
                     return Err(Error::Setting { what, value: range, min: 0.0, max: f64::INFINITY });
                 }
-                Ok(Self::Bulb { at: position.as_dvec3(), range })
+                let at = position.as_dvec3();
+                Rays::Bulb { at, farthest: range + LIGHT_EXTENT * (range + at.abs().max_element()) }
             }
-            LightKind::Spot(view) => Ok(Self::Spot(view.clone())),
-        }
+            LightKind::Spot(view) => Rays::Spot(view.clone()),
+        };
+        Ok(Self { rays, layers: light.layers })
     }
 
     /// The part of a box that the light may reach; `None` if it reaches none of it.
-    fn lit(&self, block: &Block) -> Option<Block> {
-        match self {
-            Self::Sun { .. } => Some(*block),
-            Self::Bulb { at, range } => {
-                let farthest = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                if block.distance_from(*at) > farthest {
+    pub(super) fn lit(&self, block: &Block) -> Option<Block> {
+        match &self.rays {
+            Rays::Sun { .. } => Some(*block),
+            &Rays::Bulb { at, farthest } => {
+                if block.distance_from(at) > farthest {
                     return None;
                 }
-                let (min, max) = (block.min.max(at - farthest), block.max.min(at + farthest));
+                let lit = block.intersection(&Block { min: at - farthest, max: at + farthest });
                 // In doubt (NaN), it reaches all of it.
-                if min.cmple(max).all() { Some(Block { min, max }) } else { Some(*block) }
+                Some(if lit.min.cmple(lit.max).all() { lit } else { *block })
             }
-            Self::Spot(view) => view.may_see_volume(block).then_some(*block),
+            Rays::Spot(view) => view.may_see_volume(block).then_some(*block),
         }
     }
 
-    /// All that the light may reach.
-    fn whole_view(&self) -> View {
-        match self {
-            Self::Sun { axes } => View::parallel(axes[2], SmallVec::new()),
-            Self::Bulb { at, range } => {
-                let farthest = range + LIGHT_EXTENT * (range + at.abs().max_element());
-                if farthest.is_finite() {
-                    Self::between(*at, at - farthest, at + farthest)
-                } else {
-                    View::around(*at, SmallVec::new())
-                }
-            }
-            Self::Spot(view) => (**view).clone(),
-        }
+    /// All that the light may reach, of objects on its layers.
+    pub(super) fn whole_view(&self) -> View {
+        let view = match &self.rays {
+            Rays::Sun { axes } => View::parallel(axes[2], SmallVec::new()),
+            &Rays::Bulb { at, farthest } if farthest.is_finite() => between(at, at - farthest, at + farthest),
+            Rays::Bulb { at, .. } => View::around(*at, SmallVec::new()),
+            Rays::Spot(view) => (**view).clone(),
+        };
+        view.with_layers(self.layers)
     }
 
-    /// A view with all rays of the light to some boxes; `None` if there are no boxes.
-    fn view_of(&self, pieces: &[Block]) -> Option<View> {
-        match self {
-            Self::Sun { axes } => {
+    /// A view of objects on its layers with all rays of the light to some boxes; `None` if there
+    /// are no boxes.
+    pub(super) fn view_of(&self, pieces: &[Block]) -> Option<View> {
+        let view = match &self.rays {
+            Rays::Sun { axes } => {
                 let along = axes[2];
-                let extent = pieces.iter().map(|piece| widened(piece, axes)).reduce(join)?;
+                let extent = pieces.iter().map(|piece| widened(piece, axes)).reduce(Block::join)?;
                 let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
                 for (axis, min, max) in
                     [(axes[0], extent.min.x, extent.max.x), (axes[1], extent.min.y, extent.max.y)]
@@ -178,29 +154,26 @@ impl Rays {
                     planes.push(HalfSpace { normal: -axis, offset: max });
                 }
                 planes.push(HalfSpace { normal: -along, offset: extent.max.z });
-                Some(View::parallel(along, planes))
+                View::parallel(along, planes)
             }
-            Self::Bulb { at, .. } => {
-                let around = pieces.iter().copied().reduce(join)?;
-                Some(Self::between(*at, around.min.min(*at), around.max.max(*at)))
+            Rays::Bulb { at, .. } => {
+                let around = pieces.iter().copied().reduce(Block::join)?;
+                between(*at, around.min.min(*at), around.max.max(*at))
             }
-            Self::Spot(view) => (!pieces.is_empty()).then(|| (**view).clone()),
-        }
-    }
-
-    /// The rays of an eye inside a box that contains it.
-    fn between(eye: DVec3, min: DVec3, max: DVec3) -> View {
-        let sides = (0..3).flat_map(|i| {
-            let axis = DVec3::AXES[i];
-            [HalfSpace { normal: axis, offset: -min[i] }, HalfSpace { normal: -axis, offset: max[i] }]
-        });
-        View::around(eye, sides.collect())
+            Rays::Spot(_) if pieces.is_empty() => return None,
+            Rays::Spot(view) => (**view).clone(),
+        };
+        Some(view.with_layers(self.layers))
     }
 }
 
-/// The smallest box around two.
-pub(super) fn join(a: Block, b: Block) -> Block {
-    Block { min: a.min.min(b.min), max: a.max.max(b.max) }
+/// The rays of an eye inside a box that contains it.
+fn between(eye: DVec3, min: DVec3, max: DVec3) -> View {
+    let sides = (0..3).flat_map(|i| {
+        let axis = DVec3::AXES[i];
+        [HalfSpace { normal: axis, offset: -min[i] }, HalfSpace { normal: -axis, offset: max[i] }]
+    });
+    View::around(eye, sides.collect())
 }
 
 /// A box along some axes around a box, widened by [`LIGHT_EXTENT`].

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use crate::derived::shadows::light::{Lamp, join};
+use crate::derived::shadows::light::Lamp;
 use crate::geometry::Block;
 use crate::numeric::shape::{OCCLUDER_ROUNDING, REGION};
 use crate::pvs::Pvs;
@@ -70,7 +70,7 @@ pub(super) fn find_pieces(
 
 /// A box around the parts of a box that the lights may reach; `None` if none of them reaches it.
 fn lit(lamps: &[Lamp], block: &Block) -> Option<Block> {
-    lamps.iter().filter_map(|lamp| lamp.lit(block)).reduce(join)
+    lamps.iter().filter_map(|lamp| lamp.lit(block)).reduce(Block::join)
 }
 
 /// Boxes that together contain all visible points of an object whose place is known.

@@ -40,7 +40,7 @@ impl TriMesh {
     /// A number that changes whenever [`TriMesh::prepare`] makes another mesh of the same triangles
     /// and options, or [`TriMesh::write`] other bytes of it: a part of the names by which prepared
     /// meshes are stored.
-    pub const PREPARATION: u32 = 2;
+    pub const PREPARATION: u32 = 3;
 }
 
 const MAGIC: [u8; 8] = *b"cascamsh";

@@ -1,8 +1,6 @@
 //! Patches gathered from grown triangles and straight edges: the tree of groups, outlines and their
 //! sides.
 
-use smallvec::SmallVec;
-
 use crate::error::Error;
 use crate::mesh::lists::Lists;
 use crate::mesh::preparation::Progress;
@@ -16,69 +14,6 @@ use crate::mesh::surface::weld::Welded;
 
 /// Progress is told once for this many patches.
 const TOLD: usize = 64;
-
-/// Outlines of up to this many edges are searched from end to end.
-const SHORT: usize = 16;
-
-/// Puts outlines in order. Its memory is used again.
-#[derive(Default)]
-struct Rings {
-    /// The directed edges, each with its start and end; those that were taken have no number.
-    given: Vec<(u32, [u32; 2])>,
-    /// The start of each directed edge and its place, in order.
-    by_start: Vec<(u32, u32)>,
-    /// How many edges were taken of those with the start of a place in `by_start`, if it is the
-    /// first of them.
-    taken: Vec<u32>,
-}
-
-impl Rings {
-    /// Puts each directed edge after one that ends where it starts, as far as that goes.
-    fn sort(&mut self, outline: &mut [u32], straight: &[Straight]) {
-        self.given.clear();
-        self.given.extend(outline.iter().map(|&d| {
-            let [a, b] = straight[(d >> 1) as usize].ends;
-            (d, if d & 1 == 0 { [a, b] } else { [b, a] })
-        }));
-        if outline.len() <= SHORT {
-            let mut given: SmallVec<[(u32, [u32; 2]); SHORT]> = SmallVec::from_slice(&self.given);
-            self.follow(outline, |start| {
-                let next = given.iter_mut().find(|edge| edge.0 != NONE && edge.1[0] == start)?;
-                Some((std::mem::replace(&mut next.0, NONE), next.1[1]))
-            });
-            return;
-        }
-        let (mut by_start, mut taken) = (std::mem::take(&mut self.by_start), std::mem::take(&mut self.taken));
-        by_start.clear();
-        by_start.extend(self.given.iter().zip(0..).map(|(edge, place)| (edge.1[0], place)));
-        by_start.sort_unstable();
-        taken.clear();
-        taken.resize(by_start.len(), 0);
-        self.follow(outline, |start| {
-            let first = by_start.partition_point(|e| e.0 < start);
-            let next = first + *taken.get(first)? as usize;
-            let &(_, place) = by_start.get(next).filter(|e| e.0 == start)?;
-            taken[first] += 1;
-            let (edge, [_, end]) = self.given[place as usize];
-            Some((edge, end))
-        });
-        (self.by_start, self.taken) = (by_start, taken);
-    }
-
-    /// Follows edges from the start of each. `take` takes the first one left that starts at a
-    /// vertex: the edge and its end.
-    fn follow(&self, outline: &mut [u32], mut take: impl FnMut(u32) -> Option<(u32, u32)>) {
-        let mut out = outline.iter_mut();
-        for &(_, [start, _]) in &self.given {
-            let mut at = start;
-            while let Some((next, end)) = take(at) {
-                // There are as many places as edges.
-                out.by_ref().take(1).for_each(|to| *to = next);
-                at = end;
-            }
-        }
-    }
-}
 
 /// The directed edges of patches: the number of the patch, and twice that of the edge, and one if
 /// the patch runs against it.
@@ -139,8 +74,6 @@ pub(crate) fn gather(
     let mut surface = Surface { front: rules.front, ..Surface::default() };
     surface.patches.reserve_exact(order.len());
     surface.sides.reserve(outlines.len());
-    let mut rings = Rings::default();
-    let mut outline = Vec::new();
     for (at, &node) in order.iter().enumerate() {
         if at % TOLD == 0 {
             progress.tell(0.6 + 0.4 * at as f32 / order.len() as f32)?;
@@ -148,10 +81,7 @@ pub(crate) fn gather(
         let first = surface.sides.len() as u32;
         if tree.parts(node).is_empty() {
             let patch = number[node as usize];
-            outline.clear();
-            outline.extend_from_slice(outlines.of(node));
-            rings.sort(&mut outline, straight);
-            for &directed in &outline {
+            for &directed in outlines.of(node) {
                 let edge = &straight[(directed >> 1) as usize];
                 let beside = Beside::new(edge, |patch| number[patch as usize]);
                 surface.push_side(mesh, edge, directed & 1 == 1, &beside, patch);

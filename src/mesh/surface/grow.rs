@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use crate::mesh::parallel;
 use crate::mesh::surface::patch::{NONE, Rules};
 use crate::mesh::surface::weld::{Neighbour, Welded};
 
@@ -47,15 +46,15 @@ impl Patches {
 /// directions differ little from its own.
 pub(crate) fn grow(mesh: &Welded, rules: &Rules) -> Patches {
     let count = mesh.triangles.len();
-    let mut crosses = Vec::with_capacity(count);
-    parallel::extend(&mut crosses, count, |t| {
+    let cross = |t: usize| {
         let [a, b, c] = mesh.corners(t);
         (b - a).cross(c - a)
-    });
+    };
+    let crosses: Vec<DVec3> = (0..count).map(cross).collect();
     let mut of = vec![(NONE, false); count];
     let mut seeds = Vec::new();
     let mut order: Vec<(u64, u32)> = (0..count as u32).map(|t| rank(crosses[t as usize], t)).collect();
-    parallel::sort(&mut order);
+    order.sort_unstable();
     let neighbours = mesh.neighbours();
     let mut queue = Vec::new();
     for (_, seed) in order {

@@ -15,7 +15,6 @@ use glam::{DVec3, Vec3, Vec3A};
 use smallvec::{SmallVec, smallvec};
 
 use crate::error::Error;
-use crate::mesh::parallel;
 use crate::mesh::preparation::Progress;
 use crate::mesh::surface::facets::Facets;
 use crate::mesh::surface::groups::{Groups, SharedBorder};
@@ -154,10 +153,7 @@ impl Tree {
         let count = grown.seeds.len();
         let facets = Facets::new(mesh, grown);
         let mut nodes = Vec::with_capacity(count + count / 4);
-        parallel::extend(&mut nodes, count, |patch| {
-            let patch = patch as u32;
-            PatchNode::of(&facets, grown.normal(patch), &[patch])
-        });
+        nodes.extend((0..count as u32).map(|p| PatchNode::of(&facets, grown.normal(p), &[p])));
         let mut tree = Self { nodes, root: None, parts: Vec::new(), patches: Vec::new() };
         let mut groups = Groups::new(borders, count, |n| tree.node(n).area);
         for level in 0..LEVELS {

@@ -13,7 +13,7 @@ use crate::query::cell::side::Hit;
 use crate::query::cell::sides::{ShellSide, is_hidden};
 use crate::query::marks::Marks;
 use crate::scene::Scene;
-use crate::shape::Shape;
+use crate::shape::Which;
 use crate::view::View;
 use crate::walk::Shells;
 
@@ -103,7 +103,7 @@ impl Finder<'_> {
             return;
         }
         let cell = self.shells.cell;
-        bounds.touched(self.scene.grid(), &mut |run| {
+        bounds.kind().rows(self.scene.grid(), Which::Touched, &mut |run| {
             run.cells().filter(|c| (*c - cell).abs().max_element() >= m).for_each(|c| self.pend(c, slot));
         });
     }

@@ -92,7 +92,7 @@ impl CellLists {
 
     /// An object enters the cells of its bounds, or leaves them.
     fn change(&mut self, grid: &Grid, bounds: &Bounds, slot: Slot, enters: bool) {
-        touched(bounds, grid, &mut |piece| {
+        touched(bounds.kind(), grid, &mut |piece| {
             piece.bricks(|at, mask| match (enters, *mask == ALL) {
                 (true, true) => self.whole.get_mut(at).push(slot),
                 (false, true) => {
@@ -160,7 +160,7 @@ mod tests {
     use crate::object::ObjectDesc;
     use crate::query::Query;
     use crate::random::Random;
-    use crate::shape::Shape;
+    use crate::shape::Which;
     use crate::view::View;
 
     /// The objects of all cells that have some, told cell by cell and tile by tile.
@@ -192,7 +192,7 @@ mod tests {
     fn expected(scene: &Scene) -> BTreeMap<[i32; 3], Vec<Slot>> {
         let mut all = BTreeMap::<_, Vec<Slot>>::new();
         for (slot, object) in scene.living().filter(|(_, object)| object.in_cells()) {
-            object.bounds().touched(scene.grid(), &mut |run| {
+            object.bounds().kind().rows(scene.grid(), Which::Touched, &mut |run| {
                 run.cells().for_each(|cell| all.entry(cell.to_array()).or_default().push(slot));
             });
         }

@@ -6,13 +6,12 @@
 use glam::{DVec3, IVec3};
 
 use crate::geometry::plane::HalfSpace;
+use crate::grid::Grid;
 use crate::grid::run::CellRun;
-use crate::grid::{Grid, REACH};
 use crate::numeric::shape::DISTANCE;
 use crate::shape::Shape;
 use crate::shape::convex::Convex;
 use crate::shape::filter::filtered;
-use crate::shape::traits::Rows;
 
 impl Convex {
     /// Whether no face separates a box from the solid that was asked for.
@@ -43,14 +42,6 @@ impl Shape for Convex {
         (min - self.lost, max + self.lost)
     }
 
-    fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
-    fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.opaque_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
-    }
-
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {
         self.holds(min, max)
     }
@@ -58,9 +49,7 @@ impl Shape for Convex {
     fn contains_point(&self, point: DVec3) -> bool {
         self.faces.iter().all(|face| -face.normal.dot(point) <= face.offset + margin(face, point) + self.lost)
     }
-}
 
-impl Rows for Convex {
     fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
         filtered(grid, self.bounds(), (lo, hi), |min, max| self.near(min, max), out);
     }

@@ -12,16 +12,15 @@ mod tests;
 use glam::{DVec3, Vec3};
 
 use crate::error::{Error, finite3};
-use crate::geometry::Plane;
 use crate::geometry::body::Body;
 use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Part, Polytope};
+use crate::geometry::{Block, Plane};
 use crate::heap::in_arc;
 use crate::numeric::shape::{CORNER, FLAT, KEPT, LENGTH_OF_ERROR, MAX_PULL, MOST_PULL};
 use crate::shape::convex::facets::{Closed, closed};
 use crate::shape::kind::Kind;
-use crate::shape::traits::Rows;
 
 /// The most points or half-spaces of a [`Convex`].
 pub const MAX_CONVEX: usize = 64;
@@ -275,14 +274,13 @@ impl Convex {
     }
 
     pub(crate) fn corner_bounds(&self) -> (DVec3, DVec3) {
-        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        self.vertices.iter().fold(start, |(min, max), &v| (min.min(v), max.max(v)))
+        let Block { min, max } = Block::around(self.vertices());
+        (min, max)
     }
 }
 
 fn size_of_hull(points: &[DVec3]) -> f64 {
-    let min = points.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
-    let max = points.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
+    let Block { min, max } = Block::around(points.iter().copied());
     (max - min).max_element()
 }
 
@@ -297,10 +295,6 @@ impl Kind for Convex {
 
     fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
         out(std::ptr::from_ref(self).cast(), in_arc::<Self>() + self.memory_bytes());
-    }
-
-    fn rows(&self) -> Option<&dyn Rows> {
-        Some(self)
     }
 
     /// Only eyes known exactly see it whole.

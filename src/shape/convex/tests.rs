@@ -7,7 +7,7 @@ use glam::{DVec3, Quat, Vec3};
 use crate::geometry::{Block, Obb, Plane};
 use crate::grid::Grid;
 use crate::random::Random;
-use crate::shape::{Convex, Shape};
+use crate::shape::{Convex, Shape, Which};
 
 fn any(random: &mut Random) -> Vec3 {
     (random.point(0.5) + 0.5).as_vec3()
@@ -72,8 +72,8 @@ fn cells_of_turned_boxes_agree_with_points() {
         let shapes: [&dyn Shape; 2] = [&boxed, &hull];
         for shape in shapes {
             let (mut touched, mut opaque) = (BTreeSet::new(), BTreeSet::new());
-            shape.touched(&grid, &mut |r| touched.extend(r.cells().map(|c| c.to_array())));
-            shape.opaque(&grid, &mut |r| opaque.extend(r.cells().map(|c| c.to_array())));
+            shape.rows(&grid, Which::Touched, &mut |r| touched.extend(r.cells().map(|c| c.to_array())));
+            shape.rows(&grid, Which::Opaque, &mut |r| opaque.extend(r.cells().map(|c| c.to_array())));
             for i in 0..8000 {
                 let cell = glam::IVec3::new(i % 20, i / 20 % 20, i / 400);
                 let (min, max) = grid.cell_bounds(cell);

@@ -6,12 +6,11 @@ use std::ops::ControlFlow;
 use casca::{MeshOptions, Method, Query, TriMesh};
 use glam::{Vec2, Vec3};
 use rand::RngExt;
-use rayon::ThreadPoolBuilder;
 
 use super::{ASPECT, BUFFER, Contender, FrameInput, Lab, LabError, Section, Table, grouped, median, p99};
 use casca_scenes::drive::{Driver, fitted_cell, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::measure::{timed, timed_by_wall};
+use casca_scenes::measure::timed;
 use casca_scenes::random::generator;
 use casca_scenes::world::{Mesh, Motion, Object, World};
 
@@ -35,8 +34,7 @@ struct Row {
 /// runs from each counts.
 fn measure(world: &World, views: usize, repeats: usize) -> Result<Row, LabError> {
     let cell = fitted_cell(world)?;
-    // Several threads prepare meshes.
-    let (driver, setup) = timed_by_wall(|| Driver::new(world, cell, |_| ()));
+    let (driver, setup) = timed(|| Driver::new(world, cell, |_| ()));
     let driver = driver?;
     let mut frustum = Query::with_method(Method::Frustum)?;
     let mut contenders = [Contender::hzb(BUFFER.0, BUFFER.1), Contender::casca("", Method::point())?];
@@ -160,7 +158,6 @@ fn large_city(lab: &Lab, side: i32) -> World {
 
 /// How fast one thread prepares meshes.
 fn preparation(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
-    let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
     let columns = ["meshes", "triangles", "seconds", "triangles a second", "MB"];
     let mut table = Table::new("scaling-preparation", &columns);
     let (mut times, mut sizes) = (Vec::new(), Vec::new());
@@ -182,9 +179,8 @@ fn preparation(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
                 let (positions, corners) = (mesh.positions, mesh.triangles);
                 triangles += corners.len();
                 let go_on = &mut |_| ControlFlow::Continue(());
-                let (prepared, time) = pool.install(|| {
-                    timed(|| TriMesh::prepare(positions, corners, &MeshOptions::default(), go_on))
-                });
+                let (prepared, time) =
+                    timed(|| TriMesh::prepare(positions, corners, &MeshOptions::default(), go_on));
                 bytes += prepared?.memory_bytes();
                 seconds += time.as_secs_f64();
             }

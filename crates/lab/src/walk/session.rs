@@ -53,7 +53,7 @@ impl<'a> Session<'a> {
     /// Fills the library's scene.
     pub fn new(options: &'a Options, mut world: World) -> Result<Self, Failure> {
         world.set_frame(0);
-        // Several threads may prepare meshes.
+        // Prepared meshes may be read from files.
         let (driver, setup) = timed_by_wall(|| fill(options, &world));
         let oracle_options = OracleOptions {
             width: options.width as usize,
