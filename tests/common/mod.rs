@@ -12,7 +12,7 @@ pub use std::sync::Arc;
 
 pub use casca::*;
 use casca_scenes::drive::Driver;
-use casca_scenes::world::FRAME_SECONDS;
+use casca_scenes::world::{FRAME_SECONDS, Mesh};
 pub use casca_truth::cases;
 pub use casca_truth::places::{coordinate, points};
 pub use glam::camera::rh::{proj::directx, view::look_to_mat4};
@@ -95,13 +95,9 @@ pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Arc<TriMesh> {
 }
 
 /// A sheet of `m` times `k` squares, each of two triangles; its corners by their numbers.
-pub fn sheet(m: u32, k: u32, mut at: impl FnMut(u32, u32) -> Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let corners = (0..=k).flat_map(|j| (0..=m).map(move |i| (i, j)));
-    let square = |n: u32| {
-        let a = n / m * (m + 1) + n % m;
-        [[a, a + 1, a + m + 2], [a, a + m + 2, a + m + 1]]
-    };
-    (corners.map(|(i, j)| at(i, j)).collect(), (0..m * k).flat_map(square).collect())
+pub fn sheet(m: u32, k: u32, at: impl FnMut(u32, u32) -> Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let Mesh { positions, triangles, .. } = Mesh::sheet(m, k, at);
+    (positions, triangles)
 }
 
 /// The objects of a result, in the order of their ids.

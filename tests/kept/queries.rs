@@ -3,7 +3,7 @@
 
 use std::thread;
 
-use crate::common::worlds::{Solid, World, camera};
+use crate::common::worlds::{World, camera};
 use crate::common::*;
 
 /// Seconds from frame to frame.
@@ -407,9 +407,9 @@ fn options_out_of_range_are_refused() {
 /// near.
 #[test]
 fn without_a_reach_sets_are_those_of_a_query() {
-    let walls: Vec<Solid> = (0..20)
+    let walls: Vec<Aabb> = (0..20)
         .map(|i| Vec3::new((i * 7 % 30) as f32, (i * 13 % 28) as f32, (i * 5 % 27) as f32 + 3.0))
-        .map(|p| Solid::Box(Aabb::new(p - 1.6, p + 1.6)))
+        .map(|p| Aabb::new(p - 1.6, p + 1.6))
         .collect();
     let targets: Vec<Sphere> = (0..200)
         .map(|i| Sphere::new(Vec3::new((i * 7 % 31) as f32, (i * 11 % 29) as f32, (i * 17 % 30) as f32), 0.2))

@@ -133,18 +133,7 @@ pub fn ball(splits: u32) -> Parts {
 /// A sheet of squares, put somewhere by a function of two numbers from -1 to 1.
 fn sheet(n: u32, mut at: impl FnMut(f64, f64) -> DVec3) -> Parts {
     let place = |i: u32| f64::from(i) / f64::from(n) * 2.0 - 1.0;
-    let mut p = Vec::new();
-    let mut t = Vec::new();
-    for j in 0..=n {
-        for i in 0..=n {
-            p.push(at(place(i), place(j)));
-            if i < n && j < n {
-                let a = j * (n + 1) + i;
-                t.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
-            }
-        }
-    }
-    (p, t)
+    parts_of(Mesh::sheet(n, n, |i, j| at(place(i), place(j)).as_vec3()))
 }
 
 fn parts(form: Form, random: &mut Random) -> Parts {

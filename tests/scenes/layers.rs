@@ -1,80 +1,14 @@
-//! Layers: views of some layers, against exact visibility of the objects on them.
+//! Layers: views of some layers. That these lose nothing, and show nothing of others, is what
+//! `tests/attack` tries.
 
 use casca::internals::SceneInternals;
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::world::{Camera, FRAME_SECONDS, Object};
+use casca_scenes::world::FRAME_SECONDS;
 
-use crate::common::objects::{describe, lost, object, shape};
 use crate::common::*;
 
 const METHODS: [Method; 3] = [Method::Frustum, Method::cell(), Method::point()];
-
-/// Masks that often agree, that overlap, and that use the last bit.
-fn mask() -> impl Strategy<Value = u64> {
-    prop_oneof![2 => Just(u64::MAX), 3 => Just(1u64), 3 => 0..8u64, 1 => Just(1 << 63 | 2)]
-}
-
-/// A change of an object in a frame.
-#[derive(Debug, Clone)]
-enum Change {
-    Move(usize, Vec3),
-    Layers(usize, u64),
-}
-
-fn change() -> impl Strategy<Value = Change> {
-    prop_oneof![
-        (any::<usize>(), vector(-2.0..2.0)).prop_map(|(i, by)| Change::Move(i, by)),
-        (any::<usize>(), mask()).prop_map(|(i, layers)| Change::Layers(i, layers)),
-    ]
-}
-
-proptest! {
-    #![proptest_config(cases(40))]
-
-    #[test]
-    fn nothing_visible_on_a_layer_is_lost_and_nothing_of_others_is_shown(
-        start in prop::collection::vec((object(shape(vector(-1.0..17.0))), mask()), 1..30),
-        frames in prop::collection::vec((prop::collection::vec(change(), 0..6), vector(0.0..16.0)), 1..6),
-        (one, two) in (mask(), mask()),
-    ) {
-        let (mut scene, mut objects) = (empty(), start);
-        let ids: Vec<ObjectId> = objects.iter().map(|(o, m)| scene.insert(describe(o).layers(*m)).unwrap()).collect();
-        let queries = METHODS.iter().flat_map(|&m| [(m, one), (m, two)]);
-        let mut queries: Vec<(Query, u64)> =
-            queries.map(|(m, mask)| (query_by(m), mask)).collect();
-        for (number, (changes, eye)) in frames.iter().enumerate() {
-            scene.begin_frame(number as f64 * FRAME_SECONDS).unwrap();
-            for change in changes {
-                match change {
-                    Change::Move(i, by) => {
-                        let i = i % objects.len();
-                        objects[i].0.shape = objects[i].0.shape.moved(*by);
-                        scene.translate(ids[i], *by).unwrap();
-                    }
-                    Change::Layers(i, layers) => {
-                        let i = i % objects.len();
-                        objects[i].1 = *layers;
-                        scene.set_layers(ids[i], *layers).unwrap();
-                        assert_eq!(scene.layers(ids[i]), Ok(*layers));
-                    }
-                }
-            }
-            let camera = Camera::look_at(*eye, Vec3::splat(8.1), 90.0, 1.3, 0.01, 100.0);
-            let view = View::perspective(*eye, camera.view_projection()).unwrap();
-            for (query, mask) in &mut queries {
-                let shown: Vec<usize> = (0..objects.len()).filter(|&i| objects[i].1 & *mask != 0).collect();
-                let truth: Vec<Object> = shown.iter().map(|&i| objects[i].0.clone()).collect();
-                let pvs = query.run(&scene, &view.clone().with_layers(*mask));
-                let foreign = (0..objects.len()).find(|i| !shown.contains(i) && pvs.contains(ids[*i]));
-                prop_assert!(foreign.is_none(), "{:?} with the mask {mask}", objects[foreign.unwrap()]);
-                let lost = lost(&truth, &camera, number as u64, |i| pvs.contains(ids[shown[i]]));
-                prop_assert!(lost.is_empty(), "frame {number}, mask {mask}: {:?} of {:?}", lost[0], truth[lost[0].object]);
-            }
-            scene.end_frame(queries.iter().map(|(query, _)| query.pvs())).unwrap();
-        }
-    }
-}
 
 const WALL: Aabb = Aabb { min: Vec3::new(0.0, 0.0, 8.0), max: Vec3::new(16.0, 16.0, 11.0) };
 

@@ -1,114 +1,13 @@
-//! Views whose eye may go some way: their sets have all that any of these eyes sees, by segments
-//! cut by the shapes themselves.
+//! Views whose eye may go some way. That their sets have all that any of these eyes sees is what
+//! `tests/attack` tries.
 
-use crate::common::worlds::{Solid, World, camera, point, solid, steps, target};
+use crate::common::worlds::{World, camera};
 use crate::common::*;
-
-/// All that these eyes see, whose half-spaces go with them, is in the set of a view.
-fn are_served(world: &World, view: &View, planes: &[Plane], eyes: &[Vec3]) -> Result<(), TestCaseError> {
-    for method in [Method::point(), Method::Point(PointOptions::fast()), Method::cell(), Method::Frustum] {
-        let mut query = query_by(method);
-        let pvs = query.run(&world.scene, view);
-        prop_assert!(pvs.is_valid_for(&world.scene, view));
-        for eye in eyes.iter().map(|eye| eye.as_dvec3()) {
-            let moved = |p: &Plane| {
-                let normal = p.normal.as_dvec3();
-                (normal, f64::from(p.offset) - normal.dot(eye - view.eye().unwrap()))
-            };
-            for id in world.seen(eye, &planes.iter().map(moved).collect::<Vec<_>>()) {
-                prop_assert!(pvs.contains(id), "{method:?}: {id} from {eye}, {view:?}");
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Half of an edge of a view cell, which may be flat.
-fn half() -> impl Strategy<Value = f32> {
-    prop_oneof![Just(0.0f32), 0.0f32..0.3, 0.0f32..3.0]
-}
-
-proptest! {
-    #![proptest_config(cases(256))]
-
-    #[test]
-    fn all_eyes_within_reach_are_served(
-        solids in prop::collection::vec(solid(), 1..14),
-        targets in prop::collection::vec(target(), 60),
-        (eye, axis) in (point(), prop::option::of(0usize..3)),
-        near in 0.05f32..1.0,
-        reach in prop_oneof![Just(0.01f32), 0.0f32..0.3, 0.0f32..3.0],
-        steps in steps(),
-    ) {
-        let planes = axis.map_or_else(Vec::new, |axis| camera(eye, axis, near));
-        let view = View::from_planes(eye, &planes).unwrap().with_reach(reach).unwrap();
-        let eyes: Vec<Vec3> = steps.iter().map(|step| eye + *step * reach * 0.999).collect();
-        are_served(&World::new(&solids, &targets), &view, &planes, &eyes)?;
-    }
-
-    #[test]
-    fn all_eyes_of_a_view_cell_are_served(
-        solids in prop::collection::vec(solid(), 1..14),
-        targets in prop::collection::vec(target(), 60),
-        middle in point(),
-        half in prop::array::uniform3(half()).prop_map(Vec3::from),
-        steps in prop::collection::vec(prop::array::uniform3(-1.5f32..1.5), 12),
-    ) {
-        let cell = Aabb::new(middle - half, middle + half);
-        // Most on the sides, some in corners.
-        let eye = |step: &[f32; 3]| (middle + half * Vec3::from(*step)).clamp(cell.min, cell.max);
-        let eyes: Vec<Vec3> = steps.iter().map(eye).collect();
-        are_served(&World::new(&solids, &targets), &View::of_cell(cell).unwrap(), &[], &eyes)?;
-    }
-}
-
-/// Walls with one hole, along a line from one corner of a view cell: few random solids leave an
-/// object that only one eye of a cell sees.
-#[test]
-fn what_one_corner_of_a_view_cell_sees_through_a_hole_is_found() {
-    let mut random = Random(5);
-    let mut next = move || random.unit();
-    let (mut checked, mut hidden) = (0, 0);
-    for round in 0..2000 {
-        // With `Cell`, rooms that are a little larger than a cell of the grid, or much.
-        let size = if round % 2 == 0 { 0.2 } else { 4.0 };
-        let eye = Vec3::new(10.0 + next(), 20.0 + next(), 20.0 + next());
-        let half = Vec3::new(0.5 * next(), next(), next()) * size;
-        let side = |c: f32| if c < 0.5 { 1.0 } else { -1.0 };
-        let corner = eye + half * Vec3::new(1.0, side(next()), side(next()));
-        let (from, wide) = ((corner.x + 0.1 + 4.0 * next()).round().max(corner.x + 0.1), 0.02 + 0.4 * next());
-        let to = from + 1.0 + (2.0 * next()).round();
-        let slope = Vec3::new(1.0, 2.4 * next() - 1.2, 2.4 * next() - 1.2);
-        let at = |x: f32| corner + slope * (x - corner.x);
-        let (low, high) = (at(from).min(at(to)) - wide, at(from).max(at(to)) + wide);
-        let mut scene = empty();
-        let mut ball = |at: Vec3| scene.fixed(Sphere::new(at, 0.05));
-        let seen = ball(at(to + 3.0 + 3.0 * next()));
-        let behind = ball(Vec3::new(to + 4.0, 36.0, 36.0));
-        for [y0, y1, z0, z1] in [
-            [1.0, low.y, 1.0, 39.0],
-            [high.y, 39.0, 1.0, 39.0],
-            [low.y, high.y, 1.0, low.z],
-            [low.y, high.y, high.z, 39.0],
-        ] {
-            scene.solid(Aabb::new(Vec3::new(from, y0, z0), Vec3::new(to, y1, z1)));
-        }
-        let view = View::of_cell(Aabb::new(eye - half, eye + half)).unwrap();
-        for method in [Method::cell(), Method::point()] {
-            let mut query = query_by(method);
-            let pvs = query.run(&scene, &view);
-            assert!(pvs.contains(seen), "{method:?}: from {corner} in {half} around {eye}");
-            checked += 1;
-            hidden += u32::from(!pvs.contains(behind));
-        }
-    }
-    assert!(hidden > checked / 3, "{hidden} {checked}");
-}
 
 #[test]
 fn a_view_cell_may_stand_beside_a_wall() {
     let (world, eye) = wall();
-    let behind = world.targets[0].0;
+    let behind = world.targets[0];
     let cell = |from: Vec3, to: Vec3| View::of_cell(Aabb::new(eye + from, eye + to)).unwrap();
     let mut query = Query::new();
     let mut sees = |view: View| query.run(&world.scene, &view).contains(behind);
@@ -150,7 +49,7 @@ fn a_view_cell_is_a_box() {
 
 /// A wall across the grid, one object behind it and one at its side.
 fn wall() -> (World, Vec3) {
-    let wall = Solid::Box(Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0)));
+    let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0));
     let targets =
         [Sphere::new(Vec3::new(16.0, 16.0, 24.0), 1.0), Sphere::new(Vec3::new(31.5, 16.0, 17.5), 0.2)];
     (World::new(&[wall], &targets), Vec3::new(16.0, 16.0, 8.0))
@@ -162,7 +61,7 @@ fn a_result_holds_for_all_eyes_within_reach() {
     let view = around(eye);
     let mut query = Query::new();
     let pvs = query.run(&world.scene, &view.clone().with_reach(0.5).unwrap()).clone();
-    assert!(!pvs.contains(world.targets[0].0), "a wall still hides if it is half a unit smaller");
+    assert!(!pvs.contains(world.targets[0]), "a wall still hides if it is half a unit smaller");
     for (step, holds) in [(0.0, true), (0.3, true), (0.499, true), (0.51, false)] {
         let at = around(eye + Vec3::X * step);
         assert_eq!(pvs.is_valid_for(&world.scene, &at), holds, "{step}");
@@ -186,25 +85,25 @@ fn a_result_holds_for_all_eyes_within_reach() {
 
 #[test]
 fn solids_narrower_than_the_reach_hide_nothing() {
-    let pole = Solid::Box(Aabb::new(Vec3::new(15.0, 2.0, 15.0), Vec3::new(17.0, 30.0, 17.0)));
+    let pole = Aabb::new(Vec3::new(15.0, 2.0, 15.0), Vec3::new(17.0, 30.0, 17.0));
     let world = World::new(&[pole], &[Sphere::new(Vec3::new(16.0, 16.0, 18.0), 0.1)]);
     let view = around(Vec3::new(16.0, 16.0, 6.0));
     let mut query = Query::new();
     for (reach, seen) in [(0.0, false), (0.5, false), (1.01, true)] {
         let pvs = query.run(&world.scene, &view.clone().with_reach(reach).unwrap());
-        assert_eq!(pvs.contains(world.targets[0].0), seen, "{reach}");
+        assert_eq!(pvs.contains(world.targets[0]), seen, "{reach}");
     }
 }
 
 #[test]
 fn walls_thinner_than_the_reach_hide_what_is_behind_them() {
-    let wall = Solid::Box(Aabb::new(Vec3::new(2.0, 2.0, 16.0), Vec3::new(30.0, 30.0, 16.1)));
+    let wall = Aabb::new(Vec3::new(2.0, 2.0, 16.0), Vec3::new(30.0, 30.0, 16.1));
     let targets = [16.0, 28.0].map(|x| Sphere::new(Vec3::new(x, 16.0, 24.0), 0.1));
     let world = World::new(&[wall], &targets);
     let view = around(Vec3::new(16.0, 16.0, 6.0));
     let mut query = Query::new();
     let pvs = query.run(&world.scene, &view.with_reach(0.5).unwrap());
-    assert!(!pvs.contains(world.targets[0].0) && !pvs.contains(world.targets[1].0));
+    assert!(!pvs.contains(world.targets[0]) && !pvs.contains(world.targets[1]));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! An origin that is set elsewhere: what an eye sees stays in the set, nothing from before is taken for a
 //! result of now, and where nothing rounds, the sets are the same.
 
-use crate::common::worlds::{SIZE, Solid, hiding, is_free, points_of};
+use crate::common::worlds::{SIZE, hiding, is_free, points_of};
 use crate::common::*;
 
 /// Boxes whose corners are multiples of a sixteenth.
@@ -121,8 +121,7 @@ proptest! {
                 scene.update(*id, targets[i], None).unwrap();
             }
             let eye = *eye - origin;
-            let all: Vec<Solid> = walls.iter().map(|&b| b.into()).collect();
-            let hiding = hiding(&all, eye.as_dvec3());
+            let hiding = hiding(&walls, eye.as_dvec3());
             let pvs = query.run(&scene, &around(eye));
             for (i, id) in ids.iter().enumerate() {
                 // What stands by its transform was rounded as a whole.

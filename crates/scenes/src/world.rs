@@ -77,6 +77,18 @@ impl Mesh {
         Self { positions, triangles, sides: Vec::new() }
     }
 
+    /// A sheet of `m` times `k` squares, of two triangles each; its corners by their numbers. It faces up
+    /// if the first number runs along x and the second along z.
+    pub fn sheet(m: u32, k: u32, mut at: impl FnMut(u32, u32) -> Vec3) -> Self {
+        let corners = (0..=k).flat_map(|j| (0..=m).map(move |i| (i, j)));
+        let square = |n: u32| {
+            let a = n / m * (m + 1) + n % m;
+            [[a, a + m + 2, a + 1], [a, a + m + 1, a + m + 2]]
+        };
+        let positions = corners.map(|(i, j)| at(i, j)).collect();
+        Self { positions, triangles: (0..m * k).flat_map(square).collect(), sides: Vec::new() }
+    }
+
     /// Adds the triangles of another mesh.
     pub fn append(&mut self, other: Self) {
         let first = self.positions.len() as u32;

@@ -214,24 +214,13 @@ fn ground(triangles: usize, _: u64) -> Vec<Mesh> {
     let wave = |along: f32, height: f32, length: f32| height * (TAU * along / length).sin();
     let height =
         |p: Vec2| wave(p.x + 0.7 * p.y, 4.5, 90.0) + wave(p.y - 0.3 * p.x, 1.6, 31.0) + wave(p.x, 0.3, 7.0);
-    let squares = ((triangles as f64 / 200.0).sqrt().round() as usize).max(1);
-    let side = squares + 1;
-    let square = |i: usize| {
-        let a = (i / squares * side + i % squares) as u32;
-        let (b, c, d) = (a + 1, a + side as u32, a + side as u32 + 1);
-        [[a, d, b], [a, c, d]]
-    };
+    let squares = ((triangles as f64 / 200.0).sqrt().round() as u32).max(1);
     let tile = |tile: usize| {
-        let vertex = |i: usize| {
-            let at = [i % side, i / side].map(|n| n as f32 / squares as f32);
+        Mesh::sheet(squares, squares, |i, j| {
+            let at = [i, j].map(|n| n as f32 / squares as f32);
             let p = (Vec2::new((tile % 10) as f32, (tile / 10) as f32) + Vec2::from(at)) * 32.0;
             Vec3::new(p.x, height(p), p.y)
-        };
-        Mesh {
-            positions: (0..side * side).map(vertex).collect(),
-            triangles: (0..squares * squares).flat_map(square).collect(),
-            ..Mesh::default()
-        }
+        })
     };
     (0..100).map(tile).collect()
 }

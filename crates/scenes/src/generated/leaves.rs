@@ -36,19 +36,17 @@ const STRIDE: f32 = 0.5;
 const STOPS: [(f32, f32); 6] =
     [(290.0, 40.0), (220.0, 90.0), (240.0, 180.0), (130.0, 160.0), (90.0, 270.0), (30.0, 200.0)];
 
-/// Heights above corners of squares.
-struct Ground(Vec<f32>);
+/// The mesh of the ground.
+struct Ground(Mesh);
 
 impl Ground {
     fn new(dice: &mut Dice) -> Self {
         let noise = Noise::new(dice);
-        let side = SQUARES + 1;
-        let height = |i: usize| {
-            let p = Vec3::new((i % side) as f32, 0.0, (i / side) as f32) * PITCH;
+        Self(Mesh::sheet(SQUARES as u32, SQUARES as u32, |i, j| {
+            let p = Vec3::new(i as f32, 0.0, j as f32) * PITCH;
             let octave = |metres: f32, layer: f32| noise.at(p / metres + Vec3::Y * layer);
-            20.0 + 11.0 * octave(60.0, 0.0) + 3.0 * octave(23.0, 3.0) + 0.35 * octave(7.0, 6.0)
-        };
-        Self((0..side * side).map(height).collect())
+            p.with_y(20.0 + 11.0 * octave(60.0, 0.0) + 3.0 * octave(23.0, 3.0) + 0.35 * octave(7.0, 6.0))
+        }))
     }
 
     /// Height of the triangles of the mesh at a place.
@@ -56,7 +54,7 @@ impl Ground {
         let (u, v) = ((x / PITCH).clamp(0.0, SQUARES as f32), (z / PITCH).clamp(0.0, SQUARES as f32));
         let (i, j) = ((u as usize).min(SQUARES - 1), (v as usize).min(SQUARES - 1));
         let (u, v) = (u - i as f32, v - j as f32);
-        let corner = |di: usize, dj: usize| self.0[(j + dj) * (SQUARES + 1) + i + di];
+        let corner = |di: usize, dj: usize| self.0.positions[(j + dj) * (SQUARES + 1) + i + di].y;
         let (near, far) = (corner(0, 0), corner(1, 1));
         // The diagonal goes from the least to the greatest corner.
         if u > v {
@@ -64,19 +62,6 @@ impl Ground {
         } else {
             near + (corner(0, 1) - near) * v + (far - corner(0, 1)) * u
         }
-    }
-
-    fn mesh(&self) -> Mesh {
-        let side = SQUARES + 1;
-        let corner =
-            |(i, &y): (usize, &f32)| Vec3::new((i % side) as f32 * PITCH, y, (i / side) as f32 * PITCH);
-        let mut triangles = Vec::with_capacity(2 * SQUARES * SQUARES);
-        for square in 0..SQUARES * SQUARES {
-            let a = (square / SQUARES * side + square % SQUARES) as u32;
-            let (b, c, d) = (a + 1, a + side as u32, a + side as u32 + 1);
-            triangles.extend([[a, d, b], [a, c, d]]);
-        }
-        Mesh { positions: self.0.iter().enumerate().map(corner).collect(), triangles, ..Mesh::default() }
     }
 
     /// A walk over hills past places given by x and z, at the height of the eyes.
@@ -170,7 +155,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 15);
     let ground = Ground::new(&mut dice);
     let path = ground.path(&STOPS);
-    let mut objects = vec![object("ground", mesh(ground.mesh()))];
+    let mut objects = vec![object("ground", mesh(ground.0.clone()))];
     let places = Places::new(ground, &path);
     let tree: fn(&mut Dice) -> Mesh = tree;
     for (name, count, off, model) in [("tree", TREES, OFF.0, tree), ("fern", FERNS, OFF.1, fern)] {
@@ -214,7 +199,7 @@ mod tests {
             Shape::Mesh { mesh, transform } => Some((o.name.as_str(), mesh, transform.translation)),
             _ => None,
         });
-        let ground = Ground(meshes.next().unwrap().1.positions.iter().map(|p| p.y).collect());
+        let ground = Ground(Mesh::clone(meshes.next().unwrap().1));
         let stand = ["crate", "tree", "fern"];
         let bases: Vec<_> = meshes.filter(|(name, ..)| stand.contains(name)).map(|m| m.2).collect();
         assert!(bases.len() > 100 && bases.iter().all(|b| (b.y - ground.at(b.x, b.z)).abs() < 1e-3));
@@ -230,7 +215,7 @@ mod tests {
     #[test]
     fn the_ground_between_corners_is_that_of_the_mesh() {
         let ground = Ground::new(&mut Dice::new(2, 6));
-        let mesh = ground.mesh();
+        let mesh = &ground.0;
         for t in mesh.triangles.iter().step_by(97) {
             let middle = t.map(|v| mesh.positions[v as usize]).iter().sum::<Vec3>() / 3.0;
             assert!((ground.at(middle.x, middle.z) - middle.y).abs() < 1e-3);

@@ -1,6 +1,6 @@
 //! Where the choices of an attack come from: a seeded generator, or the bytes of a fuzzer.
 
-use glam::Vec3;
+use glam::{DQuat, DVec3, Quat, Vec3};
 
 use crate::places::settled;
 
@@ -82,4 +82,33 @@ impl Dice<'_> {
     pub fn seed(&mut self) -> u32 {
         self.next(4)
     }
+}
+
+/// A direction, of length 1; often along an axis or across one.
+pub fn direction(dice: &mut Dice) -> Vec3 {
+    let v = Vec3::new(dice.unit(), dice.unit(), dice.unit()) * 2.0 - 1.0;
+    dice.settled(v, 1.0).normalize_or(Vec3::X)
+}
+
+/// A rotation; often about an axis, sometimes none.
+pub fn turn(dice: &mut Dice) -> Quat {
+    match dice.below(5) {
+        0 => Quat::IDENTITY,
+        1 => Quat::from_rotation_y(dice.between(0.0, 6.3)),
+        _ => Quat::from_axis_angle(direction(dice), dice.between(0.0, 6.3)),
+    }
+}
+
+/// A direction to which an eye goes: along an axis, a diagonal, or any.
+pub fn way(dice: &mut Dice) -> DVec3 {
+    match dice.below(4) {
+        0 => DVec3::AXES[dice.below(3) as usize] * dice.pick(&[1.0, -1.0]),
+        1 => DVec3::from_array(std::array::from_fn(|_| dice.pick(&[1.0, -1.0]))).normalize(),
+        _ => direction(dice).as_dvec3().normalize(),
+    }
+}
+
+/// A turn by an angle about any axis, or about one of the world.
+pub fn turned(dice: &mut Dice, angle: f64) -> DQuat {
+    DQuat::from_axis_angle(way(dice), angle)
 }

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use casca::{Aabb, Bounds, Convex, Error, Instance, Obb, Occluder, Plane, Sphere, TriMesh};
+use casca_scenes::world::Mesh;
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3, Vec3A};
 
 use crate::numeric::attack::LEAST_FORM;
@@ -31,15 +32,9 @@ pub const CLOSED_BASES: u8 = 4;
 
 /// Positions within -1 to 1, and triangles.
 pub fn base(which: u8) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let cube: Vec<Vec3> = (0..8)
-        .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32) * 2.0 - 1.0)
-        .collect();
-    let quads = |quads: &[[u32; 4]]| -> Vec<[u32; 3]> {
-        quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect()
-    };
-    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let Mesh { positions: cube, triangles: sides, .. } = Mesh::cuboid(Vec3::NEG_ONE, Vec3::ONE);
     match which % BASES {
-        0 => (cube, quads(&sides)),
+        0 => (cube, sides),
         1 => {
             let corners = [(1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)];
             let corners =
@@ -68,9 +63,9 @@ pub fn base(which: u8) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         }
         4 => {
             let flat = cube.iter().take(4).map(|p| p.with_z(0.0)).collect();
-            (flat, quads(&[[0, 1, 3, 2]]))
+            (flat, vec![[0, 1, 3], [0, 3, 2]])
         }
-        5 => (cube, quads(&sides[..5])),
+        5 => (cube, sides[..10].to_vec()),
         6 => (vec![Vec3::NEG_X, Vec3::X, Vec3::Y], vec![[0, 1, 2]]),
         _ => {
             // Two triangles as far apart as they can be: bricks between them are empty.
@@ -93,10 +88,6 @@ impl Shelf {
             TriMesh::new(positions, triangles).map(Arc::new)
         };
         Ok(Self { meshes: (0..BASES).map(prepare).collect::<Result<_, _>>()? })
-    }
-
-    pub fn mesh(&self, which: u8) -> Arc<TriMesh> {
-        self.meshes[usize::from(which % BASES)].clone()
     }
 }
 

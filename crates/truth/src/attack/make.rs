@@ -5,9 +5,9 @@ mod shapes;
 use casca::Method;
 use glam::Vec3;
 
-use super::dice::Dice;
-use super::ops::{Config, Due, From, Look, Op, Toward, direction};
-use super::views::{Depth, Limits};
+use super::dice::{Dice, direction};
+use super::ops::{Config, Due, From, Look, Op, Toward};
+use super::views::{Depth, Limits, Roams};
 
 /// Things in a scene, at most.
 const MOST_THINGS: usize = 40;
@@ -124,8 +124,9 @@ impl<'a> Maker<'a> {
                 self.ops.push(op);
             }
             let (toward, limits, seed) = (Toward::Along(Vec3::X), Limits::Around, self.dice.seed());
-            let mask = u64::MAX;
-            self.ops.push(Op::Look(Look { query: 0, method, from, toward, limits, keep: false, mask, seed }));
+            let (mask, roams) = (u64::MAX, Roams::Not);
+            let look = Look { query: 0, method, from, toward, limits, roams, keep: false, mask, seed };
+            self.ops.push(Op::Look(look));
             self.ops.push(Op::End { queries: 1, kept: 0 });
         }
     }
@@ -240,27 +241,35 @@ impl<'a> Maker<'a> {
         }
     }
 
+    fn roams(&mut self) -> Roams {
+        let cell = self.config.cell;
+        match self.dice.below(8) {
+            0 | 1 => {
+                let reach = cell * self.dice.pick(&[0.0, 0.02, 0.3, 0.3, 2.0]);
+                Roams::Ball { reach, turn: self.dice.pick(&[0.0, 0.01, 0.2, 1.0]) }
+            }
+            // Some are flat.
+            2 => Roams::Box(direction(&mut self.dice).abs() * cell * self.dice.pick(&[0.1, 0.5, 2.0])),
+            _ => Roams::Not,
+        }
+    }
+
     fn look(&mut self, ran: &mut u8) {
         let query = self.dice.below(3) as u8;
-        *ran |= 1 << query;
         let method = match self.dice.below(8) {
             0 => Method::Frustum,
             1..=3 => Method::cell(),
             _ => Method::point(),
         };
-        let (from, toward, limits) = (self.from(), self.toward(), self.limits());
-        let keep = self.dice.once_in(3);
-        let mask = self.mask();
-        self.ops.push(Op::Look(Look {
-            query,
-            method,
-            from,
-            toward,
-            limits,
-            keep,
-            mask,
-            seed: self.dice.seed(),
-        }));
+        let (from, keep) = (self.from(), self.dice.once_in(3));
+        self.look_from(ran, query, method, from, keep);
+    }
+
+    fn look_from(&mut self, ran: &mut u8, query: u8, method: Method, from: From, keep: bool) {
+        *ran |= 1 << query;
+        let (toward, limits, roams) = (self.toward(), self.limits(), self.roams());
+        let (mask, seed) = (self.mask(), self.dice.seed());
+        self.ops.push(Op::Look(Look { query, method, from, toward, limits, roams, keep, mask, seed }));
     }
 
     /// The layers of a view: mostly all.
@@ -270,12 +279,8 @@ impl<'a> Maker<'a> {
 
     /// Keeps a set, moves an object step by step, and asks for the set each time.
     fn stalk(&mut self, ran: &mut u8) {
-        let from = From::Camera(0);
         let method = self.dice.pick(&[Method::point(), Method::cell(), Method::cell(), Method::Frustum]);
-        let (toward, limits, seed) = (self.toward(), self.limits(), self.dice.seed());
-        let mask = self.mask();
-        self.ops.push(Op::Look(Look { query: 0, method, from, toward, limits, keep: true, mask, seed }));
-        *ran |= 1;
+        self.look_from(ran, 0, method, From::Camera(0), true);
         let (who, along) = (self.who(), direction(&mut self.dice));
         for _ in 0..1 + self.dice.below(3) {
             let by = self.config.snap(along * self.config.cell * self.dice.pick(&[0.4, 1.0]));

@@ -1,11 +1,11 @@
 //! The operations of an attack, and the settings of the scene that they are played in.
 
 use casca::Method;
-use glam::{Affine3A, DVec3, Quat, UVec3, Vec3};
+use glam::{Affine3A, DVec3, UVec3, Vec3};
 
-use super::dice::Dice;
+use super::dice::{Dice, direction, turn};
 use super::forms::{CLOSED_BASES, Form, skew};
-use super::views::Limits;
+use super::views::{Limits, Roams};
 
 /// Steps of coordinates that are exact in single precision, also far from the origin.
 const STEPS: f32 = 64.0;
@@ -114,6 +114,7 @@ pub struct Look {
     pub from: From,
     pub toward: Toward,
     pub limits: Limits,
+    pub roams: Roams,
     pub keep: bool,
     pub mask: u64,
     pub seed: u32,
@@ -127,7 +128,8 @@ pub struct Look {
 /// - `Drift` moves an unreported object by a share of the way that its promise allows, `Leave` out
 ///   of its volume, or as far as it promised. `Nearer` reports a hidden object nearer to a wall of
 ///   its volume, by a share of the room that it has.
-/// - `Ask` asks kept sets whether they hold: for their own views, and for others from close by.
+/// - `Ask` asks kept sets whether they hold: for their own views, for their cameras moved and turned,
+///   and for others from close by.
 /// - `End` ends the frame with the results of some queries (by bits) and some kept sets.
 /// - `Forget` forgets the other scene, `Cross` uses sets and ids of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -198,20 +200,5 @@ impl Hides {
                 Form::Placed { base, transform: Affine3A::from_mat3_translation(matrix, center) }
             }
         })
-    }
-}
-
-/// A direction, of length 1; often along an axis or across one.
-pub fn direction(dice: &mut Dice) -> Vec3 {
-    let v = Vec3::new(dice.unit(), dice.unit(), dice.unit()) * 2.0 - 1.0;
-    dice.settled(v, 1.0).normalize_or(Vec3::X)
-}
-
-/// A rotation; often about an axis, sometimes none.
-pub fn turn(dice: &mut Dice) -> Quat {
-    match dice.below(5) {
-        0 => Quat::IDENTITY,
-        1 => Quat::from_rotation_y(dice.between(0.0, 6.3)),
-        _ => Quat::from_axis_angle(direction(dice), dice.between(0.0, 6.3)),
     }
 }

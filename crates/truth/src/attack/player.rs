@@ -10,12 +10,11 @@ use casca::{
 };
 use glam::{DVec3, Vec3};
 
-use super::dice::Dice;
 use super::forms::{Form, Shelf};
-use super::ops::{Config, Hides, Look, Moves, Op};
+use super::ops::{Config, Hides, Moves, Op};
 use super::solid::Solid;
 use super::truth::{Effort, Thing};
-use super::views::TrueView;
+use super::views::{Limits, TrueView};
 
 /// Sets that are kept.
 const KEPT: usize = 4;
@@ -82,6 +81,7 @@ struct Kept {
     pvs: Pvs,
     view: View,
     truth: TrueView,
+    limits: Limits,
     origin: Origin,
 }
 
@@ -214,18 +214,7 @@ impl Player {
             }),
             Op::Begin { dt, due, seed } => self.begin(*dt, *due, *seed),
             Op::Layers { who, mask } => self.with(*who, |p, i| p.relayer(i, *mask)),
-            Op::Look(Look { query, method, from, toward, limits, keep, mask, seed }) => {
-                let eye = self.eye(*from);
-                let Some((view, mut truth)) = self.view(eye, *toward, limits)? else { return Ok(()) };
-                let view = view.with_layers(*mask);
-                truth.layers = *mask;
-                // Kept results are for ways: some cameras come from close by.
-                let mut dice = Dice::new(u64::from(*seed) ^ u64::from(u32::MAX));
-                let step = Vec3::from_array([(); 3].map(|()| dice.between(-0.25, 0.25)));
-                let before = self.view(eye - step, *toward, limits)?.filter(|_| dice.once_in(2));
-                let before = before.map(|(before, _)| before.with_layers(*mask));
-                self.look(usize::from(*query % 3), *method, (view, before), truth, *keep, *seed)
-            }
+            Op::Look(look) => self.look(look),
             Op::Ask { nudge, toward, limits, seed } => self.ask(*nudge, *toward, limits, *seed),
             Op::End { queries, kept } => self.end(*queries, *kept),
             Op::Clone { go_on_with_it } => self.part(*go_on_with_it),

@@ -151,9 +151,7 @@ fn report(config: &Config, ops: Vec<Op>, failure: Failure) -> String {
 /// # Errors
 /// The reduced failure, for people.
 pub fn play_seed(seed: u64, ops: usize, tally: &mut Tally) -> Result<(), String> {
-    let (config, ops) = Maker::new(Dice::new(seed)).ops(ops);
-    let played = play(&config, &ops, false, tally, None);
-    played.map_err(|failure| report(&config, ops, failure))
+    play_dice(Dice::new(seed), ops, tally)
 }
 
 /// Plays the scene that bytes tell, of up to this many operations.
@@ -161,8 +159,12 @@ pub fn play_seed(seed: u64, ops: usize, tally: &mut Tally) -> Result<(), String>
 /// # Errors
 /// The reduced failure, for people.
 pub fn play_bytes(bytes: &[u8], ops: usize) -> Result<(), String> {
-    let (config, ops) = Maker::new(Dice::Bytes(bytes)).ops(ops);
-    let played = play(&config, &ops, false, &mut Tally::default(), None);
+    play_dice(Dice::Bytes(bytes), ops, &mut Tally::default())
+}
+
+fn play_dice(dice: Dice, ops: usize, tally: &mut Tally) -> Result<(), String> {
+    let (config, ops) = Maker::new(dice).ops(ops);
+    let played = play(&config, &ops, false, tally, None);
     played.map_err(|failure| report(&config, ops, failure))
 }
 

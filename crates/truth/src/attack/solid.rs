@@ -9,8 +9,8 @@ use super::dice::Dice;
 use super::forms::{Form, base};
 use crate::numeric::attack::{ASKEW, ON_SOLID, ROOM, ROOM_COORDINATES, SKINS};
 
-/// What a solid does to a segment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What a solid does to a segment; the worst is the greatest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Answer {
     /// It is nowhere near it.
     Free,

@@ -61,6 +61,11 @@ impl Thing {
         matches!(self.moves, Moves::OnExpiry(_))
     }
 
+    /// Whether an eye is surely not in what it hides others with in views of some layers.
+    pub fn is_outside(&self, eye: DVec3, layers: u64) -> bool {
+        self.layers & layers == 0 || self.cover.as_ref().is_none_or(|c| !c.may_hold(eye - self.drift))
+    }
+
     /// Takes up what was told just now.
     pub fn told(&mut self, bounds: Form, occluder: Option<Form>) {
         self.body = Solid::new(&bounds);

@@ -1,11 +1,12 @@
 //! Views: as the library takes them, and as they truly are.
 
-use casca::{Error, Plane, View};
+use casca::{Aabb, Error, Plane, View};
 use glam::camera::rh::proj::{directx, opengl};
 use glam::camera::rh::view::look_to_mat4;
 use glam::{DMat3, DQuat, DVec3, DVec4, Mat4, Vec3};
 
-use crate::numeric::attack::{ALONG_PLANE, INSIDE, NO_PLANE, THROUGH_EYE};
+use super::dice::{Dice, turned, way};
+use crate::numeric::attack::{ALONG_PLANE, INSIDE, LAST_PLACE, NO_PLANE, THROUGH_EYE, WITHIN_TURN};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Depth {
@@ -47,6 +48,19 @@ pub enum Limits {
         depth: Depth,
         told: bool,
     },
+}
+
+/// The other cameras that a view stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Roams {
+    Not,
+    /// The eye goes so far, and the camera turns by such an angle.
+    Ball {
+        reach: f32,
+        turn: f32,
+    },
+    /// The eye is anywhere in a box with these halves of edges, and looks all round.
+    Box(Vec3),
 }
 
 /// A view as it truly is.
@@ -146,6 +160,16 @@ pub fn look_upright(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits) -> Resu
     }
 }
 
+/// The eye that is as far as may be from another, in a direction.
+pub fn outermost(eye: DVec3, way: DVec3, reach: f64) -> DVec3 {
+    // Rounding may take it out by a little: some units in the last place are taken off, then more
+    // and more.
+    let shares =
+        std::iter::once(1.0).chain((0..50).map(|i| 1.0 - LAST_PLACE * f64::from(1 << (i / 2)).powi(2)));
+    let places = shares.map(|share| eye + way * (reach * share));
+    places.into_iter().find(|at| (*at - eye).length() <= reach).unwrap_or(eye)
+}
+
 /// The planes of clip space, in world space.
 fn planes_of(matrix: Mat4, gl: bool) -> Vec<(DVec3, f64, bool)> {
     let m = matrix.as_dmat4();
@@ -170,6 +194,40 @@ fn eye_of(matrix: Mat4) -> Option<DVec3> {
     eye.is_finite().then_some(eye)
 }
 
+impl Roams {
+    /// The view that stands for the cameras.
+    pub fn open(self, view: View) -> Result<View, Error> {
+        let eye = view.eye().unwrap_or_default();
+        match self {
+            Self::Not => Ok(view),
+            Self::Ball { reach, turn } => view.with_reach(reach)?.with_turn(turn),
+            Self::Box(half) => {
+                let middle = eye.as_vec3();
+                View::of_cell(Aabb::new(middle - half, middle + half))
+            }
+        }
+    }
+
+    /// One of the cameras, mostly an outermost one.
+    pub fn camera(self, truth: &TrueView, dice: &mut Dice) -> TrueView {
+        let Some(eye) = truth.eye else { return truth.clone() };
+        let way = way(dice);
+        match self {
+            Self::Not => truth.clone(),
+            Self::Ball { reach, turn } => {
+                let share = if dice.once_in(3) { dice.real() } else { 1.0 };
+                let turn = turned(dice, f64::from(turn) * WITHIN_TURN * share);
+                truth.at(outermost(eye, way, f64::from(reach)), turn)
+            }
+            Self::Box(half) => {
+                let (low, high) = (eye.as_vec3() - half, eye.as_vec3() + half);
+                let far = (eye + way * half.as_dvec3() * 2.0).clamp(low.as_dvec3(), high.as_dvec3());
+                truth.at(far, DQuat::IDENTITY)
+            }
+        }
+    }
+}
+
 impl TrueView {
     /// The view of the same camera at another eye, turned about that.
     pub fn at(&self, eye: DVec3, turn: DQuat) -> Self {
@@ -179,6 +237,12 @@ impl TrueView {
             (normal, n.dot(old) + h - normal.dot(eye), cuts)
         };
         Self { eye: Some(eye), planes: self.planes.iter().map(moved).collect(), ..*self }
+    }
+
+    /// What another eye sees of the half-spaces, which stay where they are and cut nothing off.
+    pub fn from(&self, eye: DVec3) -> Self {
+        let planes = self.planes.iter().map(|&(n, h, _)| (n, h, false)).collect();
+        Self { eye: Some(eye), planes, ..*self }
     }
 
     /// The inward normals of the four sides of a camera's picture; fewer of other views.

@@ -58,20 +58,14 @@ pub(super) struct Models {
 }
 
 impl Models {
-    /// Forgets another scene, which has another number of objects; returns whether this one is new.
-    pub(super) fn of_scene(&mut self, objects: &[Object]) -> bool {
-        let is_new = self.seen.len() != objects.len();
-        if is_new {
-            self.seen.clear();
-            self.seen.resize_with(objects.len(), || None);
-            self.models.clear();
-            self.numbers.clear();
-        }
-        is_new
-    }
-
-    /// Makes the models of all occluders, so that no frame has to when it first sees one.
+    /// Takes up a scene, if it has another number of objects than the last: makes the models of all
+    /// occluders, so that no frame has to when it first sees one.
     pub(super) fn prepare(&mut self, objects: &[Object]) {
+        if self.seen.len() == objects.len() {
+            return;
+        }
+        *self = Self::default();
+        self.seen.resize_with(objects.len(), || None);
         for (i, object) in objects.iter().enumerate().filter(|(_, o)| o.occludes) {
             if let Shape::Mesh { mesh, .. } = &object.shape {
                 self.bounds(i, &object.shape);

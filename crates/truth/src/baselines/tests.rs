@@ -124,20 +124,14 @@ fn neighbours_leave_no_pixel_between_them() {
     let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 90.0, 1.0, 0.1, 100.0);
     let mut random = generator(2, 0);
     for round in 0..20 {
-        let side = 17u32;
-        let mut mesh = Mesh::default();
-        for i in 0..side * side {
-            let (x, y) = ((i % side) as f32 - 8.0, (i / side) as f32 - 8.0);
+        let mesh = Mesh::sheet(16, 16, |i, j| {
             let mut jitter = || match round % 2 {
                 0 => (random.random_range(-3..=3i32) as f32) / 16.0,
                 _ => random.random::<f32>() * 0.4 - 0.2,
             };
-            mesh.positions.push(Vec3::new(x * 0.6 + jitter(), y * 0.6 + jitter(), -4.0));
-        }
-        for square in 0..(side - 1) * (side - 1) {
-            let a = square / (side - 1) * side + square % (side - 1);
-            mesh.triangles.extend([[a, a + 1, a + side + 1], [a, a + side + 1, a + side]]);
-        }
+            let [x, y] = [i, j].map(|k| (k as f32 - 8.0) * 0.6 + jitter());
+            Vec3::new(x, y, -4.0)
+        });
         let mut hzb = Hzb::new(64, 64);
         hzb.draw_all(&[placed(mesh, Affine3A::IDENTITY)], [0], &camera);
         for (x, y) in (0..64).flat_map(|x| (0..64).map(move |y| (x, y))) {

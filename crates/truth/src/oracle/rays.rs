@@ -179,51 +179,39 @@ impl RayOracle {
         seed: u64,
         start: impl Fn(DVec3) -> Option<DVec3> + Sync,
     ) -> ProbeReport {
-        let results: Vec<(u64, Option<Sighting>)> = candidates
-            .par_iter()
-            .map(|&object| self.look_at(objects, object, viewpoint, samples, seed, &start))
-            .collect();
+        let look_at = |&object: &usize| -> (u64, Option<Sighting>) {
+            let shape = &objects[object].shape;
+            let Some(mut sampler) = Sampler::new(shape, viewpoint, &self.meshes) else { return (0, None) };
+            let mixed = (seed ^ spread(object as u64)).wrapping_add(object as u64);
+            let mut random = generator(mixed, 0);
+            let is_mesh = matches!(shape, Shape::Mesh { .. });
+            // What hid the last point often hides the next.
+            let mut last: Option<(bool, u32)> = None;
+            let mut rays = 0;
+            // Points out of the frustum are replaced, within reason.
+            for attempt in 0..samples * 4 {
+                if rays == samples as u64 {
+                    break;
+                }
+                let Some(target) = sampler.point(attempt, &mut random) else { continue };
+                let Some(origin) = start(target) else { continue };
+                rays += 1;
+                let segment = sure_segment(origin, target, object, is_mesh);
+                if last.is_some_and(|place| segment.hidden_by(self.trees.part(place))) {
+                    continue;
+                }
+                last = self.blocker(&segment);
+                if last.is_none() {
+                    return (rays, Some(Sighting { object, origin, target }));
+                }
+            }
+            (rays, None)
+        };
+        let results: Vec<_> = candidates.par_iter().map(look_at).collect();
         ProbeReport {
             rays: results.iter().map(|(rays, _)| rays).sum(),
             seen: results.into_iter().filter_map(|(_, seen)| seen).collect(),
         }
-    }
-
-    fn look_at(
-        &self,
-        objects: &[Object],
-        object: usize,
-        viewpoint: Viewpoint,
-        samples: usize,
-        seed: u64,
-        start: &impl Fn(DVec3) -> Option<DVec3>,
-    ) -> (u64, Option<Sighting>) {
-        let shape = &objects[object].shape;
-        let Some(mut sampler) = Sampler::new(shape, viewpoint, &self.meshes) else { return (0, None) };
-        let mixed = (seed ^ spread(object as u64)).wrapping_add(object as u64);
-        let mut random = generator(mixed, 0);
-        let is_mesh = matches!(shape, Shape::Mesh { .. });
-        // What hid the last point often hides the next.
-        let mut last: Option<(bool, u32)> = None;
-        let mut rays = 0;
-        // Points out of the frustum are replaced, within reason.
-        for attempt in 0..samples * 4 {
-            if rays == samples as u64 {
-                break;
-            }
-            let Some(target) = sampler.point(attempt, &mut random) else { continue };
-            let Some(origin) = start(target) else { continue };
-            rays += 1;
-            let segment = sure_segment(origin, target, object, is_mesh);
-            if last.is_some_and(|place| segment.hidden_by(self.trees.part(place))) {
-                continue;
-            }
-            last = self.blocker(&segment);
-            if last.is_none() {
-                return (rays, Some(Sighting { object, origin, target }));
-            }
-        }
-        (rays, None)
     }
 }
 

@@ -3,7 +3,7 @@
 use casca::{Aabb, KeptQuery, Light, Method, ObjectId, PointOptions, Query, View};
 use glam::{DVec3, Vec3};
 
-use super::super::ops::direction;
+use super::super::dice::direction;
 use super::super::solid::Answer;
 use super::rims::Start;
 use super::stage::Stage;
@@ -85,25 +85,16 @@ fn ray(stage: &mut Stage, from: &Start, light: &Start, inside: impl Fn(DVec3) ->
         return None;
     }
     let toward = light.toward(lit);
-    stage.target_at(lit, out, toward);
-    let receiver = stage.targets.len() - 1;
     // The lit point itself is geometry.
-    let (min, max) = (lit.as_vec3(), lit.as_vec3());
-    stage.targets[receiver].bounds = Aabb::new(min, max).into();
+    let receiver = stage.target(Aabb::new(lit.as_vec3(), lit.as_vec3()).into());
     let share = match stage.dice.below(3) {
         0 => 10f64.powf(-5.0 * stage.dice.real()),
         _ => stage.dice.real(),
     };
     let met = lit - toward * share.min(0.999);
     // A box of a few units in the last place around the point where the ray meets it.
-    let bits = |p: f64, up: bool| {
-        let near = p as f32;
-        if up { near.next_up() } else { near.next_down() }
-    };
-    let corner = |up: bool| Vec3::from_array(std::array::from_fn(|i| bits(met[i], up)));
-    stage.target_at(lit, out, toward);
-    let caster = stage.targets.len() - 1;
-    stage.targets[caster].bounds = Aabb::new(corner(false), corner(true)).into();
+    let corner = |next: fn(f32) -> f32| Vec3::from_array(met.as_vec3().to_array().map(next));
+    let caster = stage.target(Aabb::new(corner(f32::next_down), corner(f32::next_up)).into());
     Some(Ray { receiver, caster, lit, met, shape })
 }
 
@@ -120,11 +111,7 @@ fn judge(
         let from = *lit - light.toward(*lit);
         let seen = stage.free(*eye, *lit, u64::MAX);
         let first = stage.free(from, *met, u64::MAX);
-        let answer = match (seen, first) {
-            (Answer::Cut, _) | (_, Answer::Cut) => Answer::Cut,
-            (Answer::Free, Answer::Free) => Answer::Free,
-            _ => Answer::Doubt,
-        };
+        let answer = seen.max(first);
         let ids = (stage.targets[*receiver].id, stage.targets[*caster].id);
         let (Some(_), Some(id)) = ids else { continue };
         // Another small object may be the first on the ray.

@@ -10,8 +10,7 @@
 //! One scene has hundreds of such objects, and each query decides all of them. [`long_run`] plays
 //! many of them on all cores; results do not depend on the number of threads.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc;
+use rayon::prelude::*;
 
 mod casters;
 mod rims;
@@ -24,11 +23,11 @@ mod walls;
 #[cfg(test)]
 pub(super) use rims::Start;
 use stage::Stage;
-pub use tally::{Lost, Tally};
+pub use tally::Tally;
 use walls::Meshes;
 pub use walls::SHAPES;
 
-/// Scenes that are counted at once, so that a run does not depend on the number of threads.
+/// Scenes that are counted at once.
 const BATCH: u64 = 16;
 
 /// How long a run is.
@@ -45,7 +44,7 @@ pub struct Run {
 }
 
 /// Plays the scene of a seed.
-fn play(seed: u64, meshes: &Meshes) -> (Tally, Vec<Lost>) {
+fn play(seed: u64, meshes: &Meshes) -> (Tally, Vec<String>) {
     let stage = |layered, moving| Stage::new(seed, meshes, layered, moving);
     let layered = seed / 16 % 4 == 3;
     let mut stage = match seed % 16 {
@@ -62,51 +61,33 @@ fn play(seed: u64, meshes: &Meshes) -> (Tally, Vec<Lost>) {
 /// to `progress`.
 ///
 /// # Panics
-/// If the few meshes that all scenes use are refused.
-pub fn long_run(run: Run, mut progress: impl FnMut(&Tally, &[Lost])) -> (Tally, Vec<Lost>) {
-    let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
-    let threads = if run.threads == 0 { cores() } else { run.threads };
-    let (next, over) = (AtomicU64::new(0), AtomicBool::new(false));
-    let (send, receive) = mpsc::channel();
-    let (mut tally, mut lost) = (Tally::default(), Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            let (send, next, over) = (send.clone(), &next, &over);
-            scope.spawn(move || {
-                #[expect(clippy::expect_used, reason = "these meshes are in order")]
-                let meshes = Meshes::new().expect("meshes");
-                while !over.load(Ordering::Relaxed) {
-                    let batch = next.fetch_add(1, Ordering::Relaxed);
-                    let (mut tally, mut lost) = (Tally::default(), Vec::new());
-                    for seed in batch * BATCH..(batch + 1) * BATCH {
-                        let (more, failed) = play(run.seed.wrapping_add(seed), &meshes);
-                        tally.add(&more);
-                        lost.extend(failed);
-                    }
-                    if send.send((batch, tally, lost)).is_err() {
-                        break;
-                    }
-                }
-            });
+/// If the few meshes that all scenes use are refused, or there are no threads.
+#[expect(clippy::expect_used, reason = "these meshes are in order")]
+pub fn long_run(run: Run, mut progress: impl FnMut(&Tally, &[String])) -> (Tally, Vec<String>) {
+    let meshes = Meshes::new().expect("meshes");
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(run.threads).build().expect("threads");
+    let batch = |number: u64| {
+        let (mut tally, mut lost) = (Tally::default(), Vec::new());
+        for seed in number * BATCH..(number + 1) * BATCH {
+            let (more, failed) = play(run.seed.wrapping_add(seed), &meshes);
+            tally.add(&more);
+            lost.extend(failed);
         }
-        drop(send);
-        // Batches count in their order.
-        let (mut waiting, mut counted) = (std::collections::BTreeMap::new(), 0);
-        for (batch, more, failed) in receive {
-            waiting.insert(batch, (more, failed));
-            while let Some((more, failed)) = waiting.remove(&counted) {
-                if over.load(Ordering::Relaxed) {
-                    break;
-                }
-                tally.add(&more);
-                lost.extend(failed);
-                counted += 1;
-                progress(&tally, &lost);
-                if tally.total().tried >= run.points || lost.len() >= run.failures {
-                    over.store(true, Ordering::Relaxed);
-                }
+        (tally, lost)
+    };
+    let (mut tally, mut lost, mut next) = (Tally::default(), Vec::new(), 0);
+    loop {
+        let end = next + threads.current_num_threads() as u64;
+        let found: Vec<_> = threads.install(|| (next..end).into_par_iter().map(batch).collect());
+        next = end;
+        // Batches count in their order, so that a run does not depend on the number of threads.
+        for (more, failed) in found {
+            tally.add(&more);
+            lost.extend(failed);
+            progress(&tally, &lost);
+            if tally.total().tried >= run.points || lost.len() >= run.failures {
+                return (tally, lost);
             }
         }
-    });
-    (tally, lost)
+    }
 }

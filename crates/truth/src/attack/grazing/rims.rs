@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::dice::Dice;
 use super::super::solid::{Edge, Solid};
-use crate::numeric::attack::{ALONG_EDGE, LAST_PLACE};
+use crate::numeric::attack::ALONG_EDGE;
 
 /// Where rays start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,24 +25,10 @@ impl Start {
     }
 }
 
-/// The eye that is as far as may be from another, in a direction.
-pub fn outermost(eye: DVec3, way: DVec3, reach: f64) -> DVec3 {
-    // Rounding may take it out by a little: some units in the last place are taken off, then more
-    // and more.
-    let shares =
-        std::iter::once(1.0).chain((0..50).map(|i| 1.0 - LAST_PLACE * f64::from(1 << (i / 2)).powi(2)));
-    let places = shares.map(|share| eye + way * (reach * share));
-    places.into_iter().find(|at| (*at - eye).length() <= reach).unwrap_or(eye)
-}
-
 impl Solid {
     /// Whether it has an outline.
     pub fn has_rim(&self) -> bool {
         self.is_ball() || !self.edges.is_empty()
-    }
-
-    fn edge(&self, dice: &mut Dice) -> Option<&Edge> {
-        (!self.edges.is_empty()).then(|| &self.edges[dice.below(self.edges.len() as u32) as usize])
     }
 
     /// A point of it where a line touches it and a ball of eyes on the other side, and the
@@ -94,8 +80,9 @@ impl Solid {
             let out = across * cosine - toward * sine;
             return Some((self.middle + out * self.radius, out));
         }
-        (0..12).find_map(|_| {
-            let edge = self.edge(dice)?;
+        let count = self.edges.len() as u32;
+        (0..if count > 0 { 12 } else { 0 }).find_map(|_| {
+            let edge = &self.edges[dice.below(count) as usize];
             let [a, b] = edge.ends;
             let ray = start.toward(a);
             if let [Some(m), Some(n)] = edge.normals

@@ -7,11 +7,10 @@ mod judge;
 use casca::{Bounds, ObjectDesc, ObjectId, Scene};
 use glam::{DVec3, Vec3};
 
-use super::super::dice::Dice;
-use super::super::ops::direction;
+use super::super::dice::{Dice, direction};
 use super::super::solid::Answer;
 use super::rims::Start;
-use super::tally::{Lost, Tally};
+use super::tally::Tally;
 use super::walls::{Meshes, Wall, thick};
 
 pub use aim::rounded;
@@ -39,6 +38,10 @@ pub enum Place {
     /// By a camera that turned as far as it may.
     Turn,
     Both,
+    /// From an eye in a view cell.
+    Room,
+    /// From the cell of a camera with this number, inside its half-spaces.
+    Cell(u8),
 }
 
 /// A point of a target, and the occluders between it and its eye.
@@ -83,7 +86,8 @@ pub struct Stage<'a> {
     pub targets: Vec<Target>,
     pub witnesses: Vec<Witness>,
     pub tally: Tally,
-    pub lost: Vec<Lost>,
+    /// Lost objects, for people.
+    pub lost: Vec<String>,
 }
 
 impl<'a> Stage<'a> {

@@ -4,10 +4,10 @@
 use casca::{CameraQuery, KeptOptions, KeptQuery, Method, PointOptions, Query};
 use glam::{DQuat, DVec3, Vec3};
 
-use super::super::ops::direction;
+use super::super::dice::{direction, turned, way};
 use super::rims::Start;
 use super::stage::{Place, Stage};
-use super::views::{Camera, camera, limits, turned, way};
+use super::views::{Camera, camera, limits};
 use crate::numeric::attack::{LAST_PLACE_F32, WITHIN_TURN_F32};
 
 /// Frames of a scene.

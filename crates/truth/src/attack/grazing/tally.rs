@@ -30,19 +30,6 @@ pub struct Tally {
     pub scenes: u64,
 }
 
-/// A lost object.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Lost {
-    /// The seed of the scene.
-    pub seed: u64,
-    /// The way to ask.
-    pub way: &'static str,
-    /// The shape that the point grazes.
-    pub shape: &'static str,
-    /// For people.
-    pub text: String,
-}
-
 impl Count {
     /// Notes an answer of the library beside the truth.
     pub(super) fn note(&mut self, truth: Answer, held: bool) {

@@ -4,15 +4,16 @@
 use casca::{CellOptions, Method, PointOptions, Query, View};
 use glam::{DQuat, DVec3, Vec3};
 
-use super::super::dice::Dice;
-use super::super::ops::direction;
-use super::super::views::{Depth, Limits, TrueView, look, look_upright};
-use super::rims::{Start, outermost};
+use super::super::dice::{Dice, direction, turned, way};
+use super::super::views::{Depth, Limits, Roams, TrueView, look, look_upright, outermost};
+use super::rims::Start;
 use super::stage::{Place, Stage, Witness};
 use super::walls::SHAPES;
 use crate::numeric::attack::{AS_TURNED, WITHIN_TURN};
 
 const OBJECTS: u32 = 400;
+/// Cameras in one cell.
+const CAMERAS: u8 = 5;
 /// Points that are asked for beside the objects.
 const POINTS: u32 = 4000;
 
@@ -66,20 +67,6 @@ pub fn presets(dice: &mut Dice) -> Vec<(&'static str, Query)> {
         .collect()
 }
 
-/// A direction to which an eye goes: along an axis, a diagonal, or any.
-pub fn way(dice: &mut Dice) -> DVec3 {
-    match dice.below(4) {
-        0 => DVec3::AXES[dice.below(3) as usize] * dice.pick(&[1.0, -1.0]),
-        1 => DVec3::from_array(std::array::from_fn(|_| dice.pick(&[1.0, -1.0]))).normalize(),
-        _ => direction(dice).as_dvec3().normalize(),
-    }
-}
-
-/// A turn by an angle about any axis, or about one of the world.
-pub fn turned(dice: &mut Dice, angle: f64) -> DQuat {
-    DQuat::from_axis_angle(way(dice), angle)
-}
-
 /// Plays a scene with views of one place.
 pub fn play(mut stage: Stage, around: bool) -> Stage {
     let eye = stage.eye();
@@ -93,7 +80,13 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     let reach = f64::from((stage.unit * 10f32.powf(stage.dice.between(-4.0, -0.4))).next_up());
     let angle = 10f64.powf(-3.0 + 2.6 * stage.dice.real());
     for number in 0..OBJECTS + POINTS {
-        aim(&mut stage, &base, base.eye, number, reach, angle, around);
+        aim(&mut stage, &base, number, reach, angle, around);
+    }
+    let room = Roams::Box(way(&mut stage.dice).abs().as_vec3() * reach as f32);
+    for number in 0..if around { (OBJECTS + POINTS) / 5 } else { 0 } {
+        let truth = room.camera(&base.truth, &mut stage.dice);
+        let start = Start::Eye(truth.eye.unwrap_or(base.eye));
+        stage.aim(start, Place::Room, number < OBJECTS / 5, |_| true);
     }
     stage.insert_targets();
     let mut presets = presets(&mut stage.dice);
@@ -103,26 +96,21 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
         stage.check(name, mask, first, &pvs);
         stage.ask("sight", mask, first, query);
     }
-    let near = |w: &Witness| matches!(w.place, Place::View(0) | Place::Reach);
-    let here = |w: &Witness| matches!(w.place, Place::View(0) | Place::Turn);
-    let opened = [
-        (base.view.clone().with_reach(reach as f32), 0),
-        (base.view.clone().with_turn(angle as f32), 1),
-        (base.view.clone().with_reach(reach as f32).and_then(|v| v.with_turn(angle as f32)), 2),
+    presets
+        .extend([Method::cell(), Method::Frustum].map(|m| ("", Query::with_method(m).unwrap_or_default())));
+    let ball = |reach: f64, turn: f64| Roams::Ball { reach: reach as f32, turn: turn as f32 };
+    let opened: [(&str, Roams, &[Place]); 3] = [
+        ("reach", ball(reach, 0.0), &[Place::Reach]),
+        if around { ("view cell", room, &[Place::Room]) } else { ("turn", ball(0.0, angle), &[Place::Turn]) },
+        ("reach and turn", ball(reach, angle), &[Place::Reach, Place::Turn, Place::Both]),
     ];
-    for (view, kind) in opened {
-        let Ok(view) = view else { continue };
-        if around && kind == 1 {
-            continue;
-        }
+    for (name, roams, places) in opened {
+        let Ok(view) = roams.open(base.view.clone()) else { continue };
+        let view = view.with_layers(mask);
+        let places = |w: &Witness| w.place == Place::View(0) || places.contains(&w.place);
         for (_, query) in &mut presets {
             let pvs = query.run(&stage.scene, &view).clone();
-            let places = |w: &Witness| match kind {
-                0 => near(w),
-                1 => here(w),
-                _ => true,
-            };
-            stage.check(["reach", "turn", "reach and turn"][kind], mask, places, &pvs);
+            stage.check(name, mask, places, &pvs);
             stage.ask("reach, sight", mask, places, query);
         }
     }
@@ -131,7 +119,7 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
 
 /// Aims at one object, or later at one point, from one of the eyes and by one of the cameras that
 /// views stand for.
-fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, angle: f64, around: bool) {
+fn aim(stage: &mut Stage, base: &Camera, number: u32, reach: f64, angle: f64, around: bool) {
     let object = number < OBJECTS;
     let place = match number % 5 {
         0 | 1 => Place::View(0),
@@ -147,14 +135,14 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
         aside(stage, base, place, (if goes { reach } else { 0.0 }, if turns { angle } else { 0.0 }), object);
         return;
     }
-    let mut at = eye;
+    let mut at = base.eye;
     let mut past = None;
     if goes {
         // Mostly to where an eye sees most past an edge.
-        let found = if stage.dice.once_in(4) { None } else { stage.outermost(eye, reach) };
+        let found = if stage.dice.once_in(4) { None } else { stage.outermost(base.eye, reach) };
         (at, past) = match found {
             Some((at, past)) => (at, Some(past)),
-            None => (outermost(eye, way(&mut stage.dice), reach), None),
+            None => (outermost(base.eye, way(&mut stage.dice), reach), None),
         };
     }
     let turn = if turns { turned(&mut stage.dice, angle) } else { DQuat::IDENTITY };
@@ -232,16 +220,30 @@ pub fn play_parallel(mut stage: Stage) -> Stage {
     stage
 }
 
-/// Plays a scene with queries of [`Method::Cell`]: eyes at the corners of a view cell.
+/// Plays a scene with queries of [`Method::Cell`], all round and of narrow cameras: eyes at the
+/// corners of a view cell.
 pub fn play_cells(mut stage: Stage) -> Stage {
     let (eye, mask) = (stage.eye(), stage.mask());
-    let Ok(view) = View::omnidirectional(eye) else { return stage };
-    let view = view.with_layers(mask);
     let walls = 6 + stage.dice.below(14);
     (0..walls).for_each(|_| stage.wall(|_| true, true));
+    let mut cameras = Vec::new();
+    for number in 0..=CAMERAS {
+        let forward = direction(&mut stage.dice);
+        let mut limits = limits(&mut stage, number == 0);
+        if let Limits::Camera { fov, .. } = &mut limits {
+            *fov = stage.dice.pick(&[0.05, 0.1, 0.3]);
+        }
+        let Some(camera) = camera(eye, forward, forward.any_orthonormal_vector(), &limits, mask) else {
+            return stage;
+        };
+        if number > 0 {
+            stage.wall(|d| d.dot(forward) > 0.98, true);
+        }
+        cameras.push(camera);
+    }
     let grid = stage.scene.grid();
     let (min, max) = grid.cell_bounds(grid.cell_of(eye.as_dvec3()));
-    for number in 0..1500 {
+    for number in 0..1500 * cameras.len() {
         let dice = &mut stage.dice;
         let mut at = DVec3::from_array(std::array::from_fn(|i| {
             // The upper border belongs to the next cell.
@@ -255,15 +257,20 @@ pub fn play_cells(mut stage: Stage) -> Stage {
         // A set is that of the eyes in no occluder.
         let outside = stage.walls.iter().all(|w| !w.wall.solid.may_hold(at));
         if outside && stage.scene.grid().cell_of(at) == stage.scene.grid().cell_of(eye.as_dvec3()) {
-            stage.aim(Start::Eye(at), Place::View(u8::from(at != eye.as_dvec3())), true, |_| true);
+            let of = number % cameras.len();
+            let truth = cameras[of].truth.from(at);
+            stage.aim(Start::Eye(at), Place::Cell(of as u8), true, |p| truth.sight(p).is_some());
         }
     }
     stage.insert_targets();
     for resolution in [256, 64, 1024] {
         let method = Method::Cell(CellOptions::new().mask_resolution(resolution));
         let Ok(mut query) = Query::with_method(method) else { continue };
-        let pvs = query.run(&stage.scene, &view).clone();
-        stage.check("cell", mask, |_| true, &pvs);
+        for (of, camera) in cameras.iter().enumerate() {
+            let pvs = query.run(&stage.scene, &camera.view).clone();
+            let way = if of == 0 { "cell" } else { "cell of a camera" };
+            stage.check(way, mask, |w| of == 0 || w.place == Place::Cell(of as u8), &pvs);
+        }
     }
     stage
 }

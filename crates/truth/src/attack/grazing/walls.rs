@@ -6,9 +6,8 @@ use casca::{Aabb, Bounds, Error, Instance, ObjectDesc, Occluder, TriMesh};
 use casca_scenes::world::Mesh;
 use glam::{Affine3A, DAffine3, DVec3, Quat, Vec3};
 
-use super::super::dice::Dice;
+use super::super::dice::{Dice, direction, turn};
 use super::super::forms::{BASES, Form, Shelf, base, skew};
-use super::super::ops::{direction, turn};
 use super::super::solid::Solid;
 use crate::numeric::attack::WALL_BOUNDS;
 
@@ -38,12 +37,12 @@ pub struct Wall {
 }
 
 /// The corners and triangles of a mesh, and the mesh itself.
-type Large = (Vec<Vec3>, Vec<[u32; 3]>, Arc<TriMesh>);
+type Known = (Vec<Vec3>, Vec<[u32; 3]>, Arc<TriMesh>);
 
 pub struct Meshes {
     shelf: Shelf,
-    /// Larger ones: a ball, and a curved sheet.
-    large: Vec<Large>,
+    /// The known ones, and larger ones: a ball, and a curved sheet.
+    all: Vec<Known>,
     pub speck: Arc<TriMesh>,
 }
 
@@ -53,36 +52,22 @@ impl Meshes {
             let mesh = TriMesh::new(positions.clone(), triangles.clone())?;
             Ok((positions, triangles, Arc::new(mesh)))
         };
+        let large = [Mesh::ball(2), sheet(6)].map(|mesh| (mesh.positions, mesh.triangles));
         let corners = vec![Vec3::X, Vec3::Y, Vec3::Z];
         Ok(Self {
             shelf: Shelf::new()?,
-            large: [ball(), sheet(6)].into_iter().map(prepared).collect::<Result<_, Error>>()?,
+            all: (0..BASES).map(base).chain(large).map(prepared).collect::<Result<_, Error>>()?,
             speck: Arc::new(TriMesh::bounds_only(corners, vec![[0, 1, 2]])?),
         })
     }
 }
 
-fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let Mesh { positions, triangles, .. } = Mesh::ball(2);
-    (positions, triangles)
-}
-
 /// An open sheet with hills.
-fn sheet(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for i in 0..=n {
-        for j in 0..=n {
-            let at = |k: u32| k as f32 / n as f32 * 2.0 - 1.0;
-            positions.push(Vec3::new(at(i), at(j), 0.2 * (3.0 * at(i)).sin() * (2.0 * at(j)).cos()));
-        }
-    }
-    for i in 0..n {
-        for j in 0..n {
-            let a = i * (n + 1) + j;
-            triangles.extend([[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]);
-        }
-    }
-    (positions, triangles)
+fn sheet(n: u32) -> Mesh {
+    Mesh::sheet(n, n, |j, i| {
+        let [x, y] = [i, j].map(|k| k as f32 / n as f32 * 2.0 - 1.0);
+        Vec3::new(x, y, 0.2 * (3.0 * x).sin() * (2.0 * y).cos())
+    })
 }
 
 /// A vector with another coordinate along an axis.
@@ -157,18 +142,14 @@ impl Wall {
                 let matrix = skew(turn(dice), half * signs, dice.pick(&[0.0, 0.0, 0.5]));
                 let transform = Affine3A::from_mat3_translation(matrix, center);
                 let shape = if mirrored { 7 } else { 6 };
-                if dice.once_in(3) {
-                    let (positions, triangles, mesh) =
-                        &meshes.large[dice.below(meshes.large.len() as u32) as usize];
-                    return Self::placed(positions, triangles, mesh, transform, shape);
-                }
-                if dice.once_in(2) {
-                    let which = dice.below(u32::from(BASES)) as u8;
-                    let (positions, triangles) = base(which);
-                    let mesh = &meshes.shelf.mesh(which);
-                    return Self::placed(&positions, &triangles, mesh, transform, shape);
-                }
-                one(Form::Placed { base: dice.below(u32::from(BASES)) as u8, transform }, shape)
+                let base = dice.below(u32::from(BASES)) as u8;
+                let known = match dice.below(3) {
+                    0 => usize::from(BASES) + dice.below(2) as usize,
+                    1 => usize::from(base),
+                    _ => return one(Form::Placed { base, transform }, shape),
+                };
+                let (positions, triangles, mesh) = &meshes.all[known];
+                Self::placed(positions, triangles, mesh, transform, shape)
             }
             19..=21 => Self::slit(dice, meshes, center, half, snap),
             22 => Self::junction(dice, center, half),

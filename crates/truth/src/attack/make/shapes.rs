@@ -2,8 +2,9 @@
 
 use glam::{Affine3A, Vec3};
 
+use super::super::dice::turn;
 use super::super::forms::{BASES, Form, skew};
-use super::super::ops::{Hides, Moves, Op, turn};
+use super::super::ops::{Hides, Moves, Op};
 use super::Maker;
 
 impl Maker<'_> {

@@ -3,8 +3,8 @@
 use casca::{DrawOptions, Pvs};
 use glam::{DVec3, Vec3};
 
-use super::super::dice::Dice;
-use super::super::ops::{Due, direction};
+use super::super::dice::{Dice, direction};
+use super::super::ops::Due;
 use super::{KEPT, Kind, Origin, Played, Player, World, refused};
 use crate::numeric::attack::OUT_OF_VOLUME;
 

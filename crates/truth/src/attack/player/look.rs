@@ -1,13 +1,14 @@
 //! Looks: sets compared with the truth.
 
 use casca::{Light, Method, View};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use super::super::dice::Dice;
-use super::super::ops::{From, Toward};
+use super::super::dice::{Dice, turned};
+use super::super::ops::{From, Look, Toward};
 use super::super::truth::{Sighting, Thing, find_lost};
-use super::super::views::{Limits, TrueView, look};
+use super::super::views::{Limits, Roams, TrueView, look};
 use super::{KEPT, Kept, Kind, Origin, Played, Player, refused};
+use crate::places::coordinate;
 
 /// A lamp stands this far from the origin, and shines this far.
 const LAMP_AWAY: f32 = 8.0;
@@ -61,15 +62,23 @@ impl Player {
         Origin { world: self.worlds[self.active].number, parting }
     }
 
-    pub(super) fn look(
-        &mut self,
-        query: usize,
-        method: Method,
-        (view, before): (View, Option<View>),
-        truth: TrueView,
-        keep: bool,
-        seed: u32,
-    ) -> Played {
+    pub(super) fn look(&mut self, look: &Look) -> Played {
+        let (limits, mask, seed) = (&look.limits, look.mask, look.seed);
+        let (query, method) = (usize::from(look.query % 3), look.method);
+        let eye = self.eye(look.from);
+        let Some((view, mut truth)) = self.view(eye, look.toward, limits)? else { return Ok(()) };
+        let roams = match (look.roams, limits) {
+            (Roams::Ball { .. }, Limits::Around | Limits::Camera { .. }) => look.roams,
+            (Roams::Box(_), Limits::Around) => look.roams,
+            _ => Roams::Not,
+        };
+        let view = roams.open(view).map_err(refused("a view of several cameras"))?.with_layers(mask);
+        truth.layers = mask;
+        // Kept results are for ways: some cameras come from close by.
+        let mut dice = Dice::new(u64::from(seed) ^ u64::from(u32::MAX));
+        let step = Vec3::from_array([(); 3].map(|()| dice.between(-0.25, 0.25)));
+        let before = self.view(eye - step, look.toward, limits)?.filter(|_| dice.once_in(2));
+        let before = before.map(|(before, _)| before.with_layers(mask));
         let origin = self.origin();
         let world = &mut self.worlds[self.active];
         let (point, cell) = self.options[query];
@@ -87,17 +96,28 @@ impl Player {
         for thing in &mut world.things {
             thing.found |= pvs.contains(thing.id);
         }
-        let known = world.things.iter().filter(|t| pvs.contains(t.id)).count();
+        let shown = |t: &&Thing| pvs.contains(t.id) && t.layers & mask != 0;
+        let known = world.things.iter().filter(shown).count();
         if known != pvs.len() {
-            return Err((Kind::State, format!("a set of {} holds {known} of the living", pvs.len())));
+            return Err((Kind::State, format!("a set of {} holds {known} that the view shows", pvs.len())));
         }
-        let lost = find_lost(
-            &world.things,
-            &truth,
-            |t| pvs.contains(t.id),
-            self.effort,
-            &mut Dice::new(seed.into()),
-        );
+        // A set is that of all cameras that the view stands for, and one of `Cell` that of all eyes of
+        // its cell that are in no occluder.
+        let mut truths = vec![truth.clone()];
+        match pvs.view_cell() {
+            _ if roams != Roams::Not => truths.extend((0..3).map(|_| roams.camera(&truth, &mut dice))),
+            Some(cell) => {
+                let (min, max) = world.scene.grid().cell_bounds(cell);
+                let mut share = || f64::from(coordinate(dice.real(), 0.0..1.0, 0.5));
+                let eyes = (0..3).map(|_| min + (max - min) * DVec3::new(share(), share(), share()));
+                let outside = |eye: &DVec3| world.things.iter().all(|t| t.is_outside(*eye, mask));
+                truths.extend(eyes.filter(outside).map(|eye| truth.from(eye)));
+            }
+            None => {}
+        }
+        let lost = truths.iter().find_map(|truth| {
+            find_lost(&world.things, truth, |t| pvs.contains(t.id), self.effort, &mut Dice::new(seed.into()))
+        });
         self.checks += 1;
         // Half of the looks are answered by a kept query, too.
         let lost_later = (seed & 1 == 0 && matches!(method, Method::Point(_)))
@@ -120,7 +140,7 @@ impl Player {
                 let mut dice = Dice::new(seed.into());
                 find_lost(&world.things, &truth, |t| pvs.contains(t.id), self.effort, &mut dice)
             });
-        let kept = keep.then(|| pvs.clone());
+        let kept = look.keep.then(|| pvs.clone());
         let eye = truth.eye;
         self.note(|p| {
             let found = p.worlds[p.active].things.iter().filter(|t| t.found).map(|t| t.name);
@@ -130,7 +150,7 @@ impl Player {
             if self.kept.len() == KEPT {
                 self.kept.remove(0);
             }
-            self.kept.push(Kept { pvs, view, truth, origin });
+            self.kept.push(Kept { pvs, view, truth, limits: limits.clone(), origin });
         }
         if let Some(lost) = lost_later {
             return Err((Kind::Lost, self.tell_lost(&lost, "a kept query")));
@@ -163,6 +183,15 @@ impl Player {
             self.ask_one(k, None, seed)?;
             let Some(eye) = self.kept[k].truth.eye else { continue };
             let layers = self.kept[k].truth.layers;
+            // Its own camera, moved and turned.
+            let mut dice = Dice::new(seed.into());
+            let angle = dice.pick(&[0.0, 0.005, 0.1, 0.5]);
+            let turn = turned(&mut dice, angle).as_quat();
+            let (own, ahead) = (&self.kept[k].limits, turn * self.kept[k].truth.direction().as_vec3());
+            if let Ok((view, mut truth)) = look(eye.as_vec3() + nudge, ahead, own) {
+                truth.layers = layers;
+                self.ask_one(k, Some((view.with_layers(layers), truth)), seed)?;
+            }
             let Ok(Some((view, mut truth))) = self.view(eye.as_vec3() + nudge, toward, limits) else {
                 continue;
             };

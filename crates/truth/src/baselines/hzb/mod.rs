@@ -53,13 +53,6 @@ impl Hzb {
         }
     }
 
-    /// Makes the vectors of a scene's meshes, if the scene is new. Otherwise its first frame does.
-    pub fn prepare(&mut self, objects: &[Object]) {
-        if self.models.of_scene(objects) {
-            self.models.prepare(objects);
-        }
-    }
-
     /// The buffer as the last frame left it.
     #[cfg(test)]
     pub(super) fn depth(&self) -> &DepthPyramid {
@@ -114,8 +107,8 @@ impl Hzb {
 
     /// Collects the boxes.
     fn begin(&mut self, objects: &[Object], given: &[usize], camera: &Camera) -> Screen {
-        self.prepare(objects);
         let models = &mut self.models;
+        models.prepare(objects);
         self.boxes.fill(given.iter().map(|&i| models.bounds(i, &objects[i].shape)));
         Screen::new(camera, self.depth.width(), self.depth.height())
     }

@@ -3,10 +3,10 @@
 use casca::{Aabb, Bounds, Instance, Obb, Sphere};
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
-use super::super::super::dice::Dice;
-use super::super::super::ops::turn;
+use super::super::super::dice::{Dice, turn};
 use super::super::super::solid::{Solid, exact};
-use super::super::rims::{Start, outermost};
+use super::super::super::views::outermost;
+use super::super::rims::Start;
 use super::{Graze, Place, Stage, Target, Witness};
 use crate::numeric::attack::{LEAST_INSTANCE, ON_BALL, ON_CORNER};
 
@@ -69,7 +69,6 @@ impl Stage<'_> {
 
     /// Puts an object into the list of targets that has the point, or one next to it; says which.
     pub fn target_at(&mut self, point: DVec3, out: DVec3, toward: DVec3) -> DVec3 {
-        let (layers, dynamic) = (self.layers(), self.moving && self.dice.once_in(4));
         let dice = &mut self.dice;
         let size = f64::from(self.unit) * 10f64.powf(-7.0 + 6.0 * dice.real());
         let at = point.as_vec3();
@@ -108,8 +107,15 @@ impl Stage<'_> {
                 }
             }
         };
-        self.targets.push(Target { bounds, layers, dynamic, id: None });
+        self.target(bounds);
         seen
+    }
+
+    /// Puts an object into the list of targets; says where.
+    pub fn target(&mut self, bounds: Bounds) -> usize {
+        let (layers, dynamic) = (self.layers(), self.moving && self.dice.once_in(4));
+        self.targets.push(Target { bounds, layers, dynamic, id: None });
+        self.targets.len() - 1
     }
 
     /// Aims at a tiny object, or at a point of none, closely past an occluder. Only points for which

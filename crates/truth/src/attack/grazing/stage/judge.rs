@@ -4,7 +4,7 @@ use casca::{CameraQuery, Pvs};
 use glam::DVec3;
 
 use super::super::super::solid::Answer;
-use super::super::tally::{Count, Lost};
+use super::super::tally::Count;
 use super::super::walls::SHAPES;
 use super::{Stage, Target, Witness};
 
@@ -20,15 +20,8 @@ impl Stage<'_> {
 
     /// Whether nothing is between two points but what is seen through for certain.
     pub fn free(&self, from: DVec3, to: DVec3, mask: u64) -> Answer {
-        let mut worst = Answer::Free;
-        for standing in self.walls.iter().filter(|w| w.id.is_some() && w.layers & mask != 0) {
-            match standing.wall.solid.answer(from, to) {
-                Answer::Cut => return Answer::Cut,
-                Answer::Doubt => worst = Answer::Doubt,
-                Answer::Free => {}
-            }
-        }
-        worst
+        let walls = self.walls.iter().filter(|w| w.id.is_some() && w.layers & mask != 0);
+        walls.map(|w| w.wall.solid.answer(from, to)).max().unwrap_or(Answer::Free)
     }
 
     /// Compares a set with the truth: it must hold each target that one of the places sees a point
@@ -53,7 +46,10 @@ impl Stage<'_> {
         let Some(sight) = query.sight(&self.scene) else { return };
         let answer = |w: &Witness| match w.target {
             None => sight.may_see_point(w.point.as_vec3()),
-            Some(target) => sight.may_see_bounds(&self.targets[target].bounds),
+            Some(target) => {
+                let bounds = &self.targets[target].bounds;
+                sight.may_see_bounds(bounds) && sight.may_see_box(&bounds.aabb())
+            }
         };
         let answers: Vec<_> = self.witnesses.iter().map(|w| places(w).then(|| answer(w))).collect();
         self.compare(way, mask, places, &answers);
@@ -81,13 +77,12 @@ impl Stage<'_> {
             };
             counts[witness.shape].note(answer, held);
             if answer == Answer::Free && !held {
-                let shape = witness.shape;
                 let bounds = witness.target.map(|t| (&self.targets[t].bounds, self.targets[t].id));
                 let text = format!(
                     "{bounds:?}, of which {} is seen from {:?} ({:?}), mask {mask:#x}",
                     witness.point, witness.start, witness.place
                 );
-                self.tell(way, shape, &text);
+                self.tell(way, &text);
             }
         }
         for (shape, count) in counts.iter().enumerate().filter(|(_, count)| count.tried > 0) {
@@ -106,19 +101,19 @@ impl Stage<'_> {
     ) {
         self.tally.of(way, SHAPES[shape]).note(answer, held);
         if answer == Answer::Free && !held {
-            self.tell(way, shape, &text());
+            self.tell(way, &text());
         }
     }
 
     /// Tells of a loss.
-    fn tell(&mut self, way: &'static str, shape: usize, text: &str) {
+    fn tell(&mut self, way: &'static str, text: &str) {
         if self.lost.len() < MOST_LOST {
             let walls = self.walls.iter().filter(|w| w.id.is_some());
             let walls: Vec<String> =
                 walls.map(|w| format!("{} (layers {:#x})", w.wall.text, w.layers)).collect();
             let walls = walls.join("\n  ");
             let text = format!("{way} of scene {} lacks {text}; past\n  {walls}", self.seed);
-            self.lost.push(Lost { seed: self.seed, way, shape: SHAPES[shape], text });
+            self.lost.push(text);
         }
     }
 }
