@@ -64,3 +64,14 @@ fn an_eye_that_may_lie_in_an_occluder_sees_through_it() {
     let found = query.run(&scene, &View::from_view_projection(m).unwrap());
     assert!(found.contains(ball) && found.stats().eye_in_occluder);
 }
+
+#[test]
+fn a_result_does_not_hold_for_an_eye_in_an_occluder_of_its_cell() {
+    let mut scene = empty();
+    scene.solid(Aabb::new(Vec3::new(6.5, 6.0, 2.0), Vec3::splat(9.0)));
+    let eye = Vec3::new(6.25, 6.5, 2.5);
+    let mut query = cell_query();
+    let pvs = query.run(&scene, &around(eye));
+    assert!(pvs.is_valid_for(&scene, &around(eye + Vec3::X * 0.125)));
+    assert!(!pvs.is_valid_for(&scene, &around(eye + Vec3::X * 0.5)), "it sees out of the occluder");
+}
