@@ -95,15 +95,18 @@ impl<S: Simd> Pieces<'_, S> {
             1.0 => b,
             _ => (a.0 + (b.0 - a.0) * share, a.1 + (b.1 - a.1) * share),
         };
-        if is_near {
-            self.put(at(begin), at(end), falls, (wide, unsure), seam);
-        }
+        let near = is_near.then(|| (at(begin), at(end), (wide, unsure), seam));
         let (begin, end) = if is_near { (begin, end) } else { (rows.1, rows.1) };
-        for (from, to) in [(rows.0, begin), (end, rows.1)].map(|(from, to)| (at(from), at(to))) {
-            if rows.0 < rows.1 && from.0 + to.0 < 2.0 * left {
-                let beside = |y: f64| (left - room, y.clamp(low - 1.0, high + 1.0));
-                self.put(beside(from.1), beside(to.1), falls, (EDGE, EDGE), false);
-            }
+        let beside = |(from, to): (f64, f64)| {
+            let (from, to) = (at(from), at(to));
+            let place = |y: f64| (left - room, y.clamp(low - 1.0, high + 1.0));
+            let is_left = rows.0 < rows.1 && from.0 + to.0 < 2.0 * left;
+            is_left.then(|| (place(from.1), place(to.1), (EDGE, EDGE), false))
+        };
+        for (from, to, widths, seam) in
+            near.into_iter().chain([(rows.0, begin), (end, rows.1)].into_iter().filter_map(beside))
+        {
+            self.put(from, to, falls, widths, seam);
         }
     }
 
@@ -172,7 +175,7 @@ impl DeepSides {
                 // From where the outline leaves to where it comes back.
                 let (from, to) = if leaves { (at, base) } else { (base, at) };
                 let (from, to) = (self.single(from), self.single(to));
-                pieces.add(from, to, falls, (EDGE, EDGE), false);
+                pieces.add_far(from, to, falls, (EDGE, EDGE), false);
             }
         }
         pieces.flush();
