@@ -28,6 +28,9 @@ struct Open {
 /// whether the two run in opposite directions.
 type LinkChange = (Slot, u32, Option<(PatchNumber, bool)>);
 
+/// Up to this many changes of an object's links are made one by one; more are merged into the list.
+const FEW: usize = 4;
+
 /// The numbers and links of the surface of one object.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Place {
@@ -122,6 +125,14 @@ impl Seams {
         for own in changes.chunk_by(|a, b| a.0 == b.0) {
             let links = &mut self.places[own[0].0.index()].links;
             let last = own.chunk_by(|a, b| a.1 == b.1).filter_map(|same| same.last());
+            if own.len() <= FEW {
+                for &(_, side, new) in last {
+                    let at = links.partition_point(|l| l.0 < side);
+                    let there = links.get(at).is_some_and(|l| l.0 == side);
+                    links.splice(at..at + usize::from(there), new.map(|(number, way)| (side, number, way)));
+                }
+                continue;
+            }
             let mut merged = Vec::with_capacity(links.len() + own.len());
             let mut rest = links.as_slice();
             for &(_, side, new) in last {
