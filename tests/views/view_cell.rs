@@ -75,3 +75,17 @@ fn a_result_does_not_hold_for_an_eye_in_an_occluder_of_its_cell() {
     assert!(pvs.is_valid_for(&scene, &around(eye + Vec3::X * 0.125)));
     assert!(!pvs.is_valid_for(&scene, &around(eye + Vec3::X * 0.5)), "it sees out of the occluder");
 }
+
+#[test]
+fn an_eye_beside_the_cell_sees_past_a_block_at_the_edge_of_a_side() {
+    let mut scene = empty();
+    scene.solid(Aabb::new(Vec3::new(-8.0, -10.0, 8.0), Vec3::new(-2.0, -6.0, 12.0)));
+    let speck = scene.fixed(Sphere::new(Vec3::new(-57.622_963, -56.417_08, 58.570_54), 1e-5));
+    // Cells on all sides of the eye's.
+    scene.fixed(Sphere::new(Vec3::new(20.0, 20.0, -20.0), 1.0));
+    let view = around(Vec3::ZERO).with_reach(0.107).unwrap();
+    let eye = Vec3::new(-0.076_368_61, 0.0, -0.074_937_634);
+    assert!(view.reach() > f64::from(eye.length()));
+    assert!(Query::new().run(&scene, &around(eye)).contains(speck));
+    assert!(cell_query().run(&scene, &view).contains(speck));
+}

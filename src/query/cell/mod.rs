@@ -127,7 +127,8 @@ impl CellWalk<'_> {
         let (cell, CellBox { lo, hi }) = (self.shells.cell, self.shells.extent);
         let inside = self.shells.extent.contains(cell);
         let interior = cell.cmpgt(lo).all() && cell.cmplt(hi).all();
-        let closed = inside && (slack == Some(0.0) || interior);
+        // An eye outside its cell sees past the edge of a side, through cells of the next one.
+        let closed = inside && slack == Some(0.0);
         // A segment from inside the block that is walked to a farther cell passes each shell inside
         // it, on the same side.
         let ends = inside && from_eye && slack.is_none_or(|s| s == 0.0 || interior);
