@@ -3,16 +3,14 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 
-use crate::numeric::occlusion::{EDGE, EDGE_ROUNDING, FAR_PIXEL, PIECE_ROUNDING, PROJECTED};
+use crate::numeric::occlusion::{
+    EDGE, EDGE_ROUNDING, FAR_ASIDE, FAR_PIXEL, FAR_WIDTHS, PIECE_ROUNDING, PROJECTED,
+};
 use crate::occlusion::surface::raster::{Edges, LANES, Raster};
 use crate::occlusion::surface::sides::WholeSide;
 
 /// As a number in double precision.
 const FAR: f64 = FAR_PIXEL as f64;
-
-/// Pieces that reach far are drawn as far as this many pixels from the area, beside their width:
-/// more than rounding adds to that.
-const ASIDE: f64 = 16.0;
 
 /// Where an edge passes the near limit.
 pub(super) struct Cut {
@@ -79,8 +77,7 @@ impl<S: Simd> Pieces<'_, S> {
     fn add_far(&mut self, a: (f64, f64), b: (f64, f64), falls: bool, (wide, unsure): (f64, f64), seam: bool) {
         let rounding = EDGE_ROUNDING * magnitude(a, b);
         let (wide, unsure) = (wide + rounding, unsure + rounding);
-        // Drawn as any piece, it is a little wider.
-        let room = 1.5 * (wide + unsure) + ASIDE + 3.0 * self.shift * f64::from(PROJECTED);
+        let room = FAR_WIDTHS * (wide + unsure) + FAR_ASIDE + 3.0 * self.shift * f64::from(PROJECTED);
         let ((left, right), (low, high)) = self.raster.borders();
         let rows = shares((a.1, b.1), (low - room, high + room));
         let columns = shares((a.0, b.0), (left - room, right + room));
