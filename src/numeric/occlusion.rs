@@ -128,13 +128,17 @@ pub(crate) const FLAT: f32 = 1024.0;
 /// this, others only near the area: edges are drawn in single precision.
 pub(crate) const FAR_PIXEL: f32 = 65_536.0;
 
-/// Of edges that reach farther, what is within this many times their width and this many pixels of
-/// the area is drawn.
+/// An edge that reaches farther is cut: the part is drawn that lies within this many times its width,
+/// and this many pixels more, of the area.
 ///
-/// The width grows by three times [`PROJECTED`] of the sum of four coordinates of the part that is
-/// drawn, below a part in 40,000 of the greatest: that is less, while areas lie within 500,000 pixels.
+/// The width grows by [`WIDTH_ROUNDINGS`] of [`PROJECTED`] of the sum of four coordinates of that
+/// part, below a part in 40,000 of the greatest: that is less, while areas lie within 500,000 pixels.
 pub(crate) const FAR_WIDTHS: f64 = 1.5;
 pub(crate) const FAR_ASIDE: f64 = 16.0;
+
+/// The width of a piece of an edge grows by this many times the rounding of its coordinates: once for
+/// these, with room for the rounding of the widths themselves.
+pub(crate) const WIDTH_ROUNDINGS: f64 = 3.0;
 
 /// Coordinates of pixels in single precision, and the columns that an edge passes, err by less than
 /// this share of the magnitudes of the coordinates of its ends and of the middle of the face.

@@ -141,8 +141,12 @@ impl Scene {
         }
         if let Some(part) = object.opacity {
             let cells = &mut self.opacity.part_mut(part).moving;
-            object.occluder().inspect(|before| take_cells(cells, before, grid));
-            hides.inspect(|after| add_cells(cells, after, grid));
+            if let Some(before) = object.occluder() {
+                take_cells(cells, before, grid);
+            }
+            if let Some(after) = hides {
+                add_cells(cells, after, grid);
+            }
         }
         self.exchange_shape(slot, bounds, occluder);
         self.index.boxes.put(slot, &self.slots[slot]);

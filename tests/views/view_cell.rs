@@ -1,7 +1,10 @@
-//! Results of the cell method stand for every eye of the cell. That none of these misses what it
-//! sees, whatever bounds the view, is what `tests/attack` tries.
+//! Results of the cell method stand for every eye of the cell. `tests/attack` looks from many of these
+//! eyes, and by views of all kinds; here are single cases.
 
 use crate::common::*;
+
+/// The radius of what is seen past an edge: less than how far the line of sight passes it.
+const SPECK: f32 = 1e-5;
 
 fn cell_query() -> Query {
     query_by(Method::cell())
@@ -80,7 +83,7 @@ fn a_result_does_not_hold_for_an_eye_in_an_occluder_of_its_cell() {
 fn an_eye_beside_the_cell_sees_past_a_block_at_the_edge_of_a_side() {
     let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(-8.0, -10.0, 8.0), Vec3::new(-2.0, -6.0, 12.0)));
-    let speck = scene.fixed(Sphere::new(Vec3::new(-57.622_963, -56.417_08, 58.570_54), 1e-5));
+    let speck = scene.fixed(Sphere::new(Vec3::new(-57.622_963, -56.417_08, 58.570_54), SPECK));
     // Cells on all sides of the eye's.
     scene.fixed(Sphere::new(Vec3::new(20.0, 20.0, -20.0), 1.0));
     let view = around(Vec3::ZERO).with_reach(0.107).unwrap();

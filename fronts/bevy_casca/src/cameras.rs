@@ -207,6 +207,7 @@ pub(crate) fn check_cameras(
                 }
                 casca.counts.visible += seen;
                 casca.counts.culled += scene.len().saturating_sub(seen);
+                // Not while a level loads: less is hidden then than later.
                 if ran.contains(&camera.entity) && !(casca.is_preparing() || casca.changes.everywhere) {
                     let step = scene.len() / SAMPLE + 1;
                     let in_frustum = managed.iter_mut().step_by(step).filter(|item| item.is_seen(&viewer));

@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 use crate::numeric::occlusion::{
-    EDGE, EDGE_ROUNDING, FAR_ASIDE, FAR_PIXEL, FAR_WIDTHS, PIECE_ROUNDING, PROJECTED,
+    EDGE, EDGE_ROUNDING, FAR_ASIDE, FAR_PIXEL, FAR_WIDTHS, PIECE_ROUNDING, PROJECTED, WIDTH_ROUNDINGS,
 };
 use crate::occlusion::surface::raster::{Edges, LANES, Raster};
 use crate::occlusion::surface::sides::WholeSide;
@@ -77,7 +77,8 @@ impl<S: Simd> Pieces<'_, S> {
     fn add_far(&mut self, a: (f64, f64), b: (f64, f64), falls: bool, (wide, unsure): (f64, f64), seam: bool) {
         let rounding = EDGE_ROUNDING * magnitude(a, b);
         let (wide, unsure) = (wide + rounding, unsure + rounding);
-        let room = FAR_WIDTHS * (wide + unsure) + FAR_ASIDE + 3.0 * self.shift * f64::from(PROJECTED);
+        let aside = FAR_ASIDE + WIDTH_ROUNDINGS * self.shift * f64::from(PROJECTED);
+        let room = FAR_WIDTHS * (wide + unsure) + aside;
         let ((left, right), (low, high)) = self.raster.borders();
         let rows = shares((a.1, b.1), (low - room, high + room));
         let columns = shares((a.0, b.0), (left - room, right + room));
@@ -96,7 +97,7 @@ impl<S: Simd> Pieces<'_, S> {
         let (begin, end) = if is_near { (begin, end) } else { (rows.1, rows.1) };
         let beside = |(from, to): (f64, f64)| {
             let (from, to) = (at(from), at(to));
-            let place = |y: f64| (left - room, y.clamp(low - 1.0, high + 1.0));
+            let place = |y: f64| (left - aside, y.clamp(low - 1.0, high + 1.0));
             let is_left = rows.0 < rows.1 && from.0 + to.0 < 2.0 * left;
             is_left.then(|| (place(from.1), place(to.1), (EDGE, EDGE), false))
         };
@@ -111,8 +112,7 @@ impl<S: Simd> Pieces<'_, S> {
     #[inline(always)]
     fn put(&mut self, from: (f64, f64), to: (f64, f64), falls: bool, (wide, unsure): (f64, f64), seam: bool) {
         let rounding = (magnitude(from, to) + self.shift) * f64::from(PROJECTED);
-        // Room for the rounding of the widths themselves.
-        let (wide, unsure) = (wide + unsure + 3.0 * rounding, unsure + rounding);
+        let (wide, unsure) = (wide + unsure + WIDTH_ROUNDINGS * rounding, unsure + rounding);
         let (from, to) = if falls == self.falls { (from, to) } else { (to, from) };
         let (at, e) = (self.count % LANES, &mut self.edges);
         (e.x0[at], e.y0[at]) = (from.0 as f32, from.1 as f32);

@@ -98,7 +98,7 @@ impl Document {
         accessor.is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none())
     }
 
-    /// Points the accessors of a primitive to what was unpacked from a buffer view.
+    /// Unpacks a primitive from a buffer view. Its accessors read the unpacked bytes from then on.
     fn unpack(
         &mut self,
         primitive: &mut Primitive,

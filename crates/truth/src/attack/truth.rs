@@ -61,7 +61,7 @@ impl Thing {
         matches!(self.moves, Moves::OnExpiry(_))
     }
 
-    /// Whether an eye is surely not in what it hides others with in views of some layers.
+    /// Whether an eye is surely outside of its occluder, or views of these layers do not show it.
     pub fn is_outside(&self, eye: DVec3, layers: u64) -> bool {
         self.layers & layers == 0 || self.cover.as_ref().is_none_or(|c| !c.may_hold(eye - self.drift))
     }

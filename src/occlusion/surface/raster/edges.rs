@@ -9,8 +9,8 @@ pub(crate) const LANES: usize = 8;
 /// Eight numbers.
 pub(crate) type Lanes = [f32; LANES];
 
-/// Edges of an outline, in pixels. No coordinate of those that are drawn is greater than
-/// [`FAR_PIXEL`](crate::numeric::occlusion::FAR_PIXEL).
+/// Edges of an outline, in pixels. Those that are drawn lie within
+/// [`FAR_PIXEL`](crate::numeric::occlusion::FAR_PIXEL) of the origin or of the area.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Edges {
     pub(crate) x0: Lanes,

@@ -9,13 +9,16 @@ fn edges(ring: &[Point]) -> impl Iterator<Item = (Point, Point)> {
     ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
 
+/// A width of edges far below a pixel, and far above the rounding of coordinates here.
+const THIN: f64 = 1e-3;
+
 /// A number in single precision, as edges have them.
 fn single(v: f64) -> f64 {
     f64::from(v as f32)
 }
 
 fn draw(raster: &mut Raster, all: impl IntoIterator<Item = (Point, Point, bool)>, wide: f64) {
-    let unsure = 1e-3f64.min(wide / 2.0);
+    let unsure = THIN.min(wide / 2.0);
     let all: Vec<_> = all.into_iter().collect();
     for some in all.chunks(LANES) {
         let mut group =
@@ -90,7 +93,7 @@ fn pixels_are_marked_as_the_outline_says() {
         let (x, y) = (round as i64 % 3 * 20, round as i64 % 4 * 9);
         let area =
             Area::around(&PixelRect { x: (x, x + 5 + round as i64 % 37), y: (y, y + 9 + round as i64 % 31) });
-        let wide = [1e-3, 0.3, 2.5][round % 3];
+        let wide = [THIN, 0.3, 2.5][round % 3];
         raster.begin(area, (0, 0));
         draw(&mut raster, unshared(&ring), wide);
         for y in area.y..area.y + i64::from(area.height()) {
@@ -120,7 +123,7 @@ fn narrow_edges_touch_few_pixels() {
     let ring = [(2.5, 2.5), (29.5, 2.5), (29.5, 29.5), (2.5, 29.5)];
     let mut raster = Raster::default();
     raster.begin(Area::around(&PixelRect { x: (0, 32), y: (0, 32) }), (0, 0));
-    draw(&mut raster, unshared(&ring), 1e-3);
+    draw(&mut raster, unshared(&ring), THIN);
     let area = *raster.area();
     for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
         let (block, row, column) = place(&area, x, y);
@@ -145,7 +148,7 @@ fn seams_of_two_patches_cancel() {
         for (raster, ring) in [(&mut first, [c, a, b]), (&mut second, [d, b, a])] {
             raster.begin(area, (0, 0));
             let seam = |from, to| [from, to].iter().all(|p| [a, b].contains(p));
-            draw(raster, edges(&ring).map(|(from, to)| (from, to, seam(from, to))), 1e-3);
+            draw(raster, edges(&ring).map(|(from, to)| (from, to, seam(from, to))), THIN);
         }
         let quad = [c, a, d, b];
         for y in 0..64 {

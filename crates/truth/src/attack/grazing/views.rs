@@ -269,12 +269,12 @@ pub fn play_cells(mut stage: Stage) -> Stage {
         let Ok(mut query) = Query::with_method(method) else { continue };
         for (of, camera) in cameras.iter().enumerate() {
             let pvs = query.run(&stage.scene, &camera.view).clone();
-            // The eye of a matrix may round into the cell beside.
-            if pvs.view_cell().is_some_and(|own| own != cell) {
-                continue;
-            }
             let way = if of == 0 { "cell" } else { "cell of a camera" };
-            stage.check(way, mask, |w| of == 0 || w.place == Place::Cell(of as u8), &pvs);
+            // The eye of a matrix may round into the cell beside: then the set is for it alone.
+            let of_cell = pvs.view_cell().is_none_or(|own| own == cell);
+            let is_served = |w: &Witness| of_cell || w.start == Start::Eye(eye.as_dvec3());
+            let place = |w: &Witness| of == 0 || w.place == Place::Cell(of as u8);
+            stage.check(way, mask, |w| is_served(w) && place(w), &pvs);
         }
     }
     stage
