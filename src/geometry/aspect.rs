@@ -198,6 +198,9 @@ impl Aspect {
             let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };
             if room.radius() > 0.0 {
                 let Some(turned) = turned_past(normal, p, edge, room) else { return false };
+                if turned.dot(center) <= NO_WIDTH * largest {
+                    sides.push(HalfSpace { normal, offset });
+                }
                 normal = turned;
             }
             sides.push(HalfSpace { normal, offset });
@@ -214,6 +217,12 @@ impl Aspect {
 /// with it at most. The room goes no farther along m than its radius, and than the sum of cos a
 /// times as far as along n and sin a times as far as along c. So it is enough if sin a is the
 /// radius over |c|, or if tan a is the way along n over |c| less the way along c.
+///
+/// Behind the eye c . x is less than zero, and the plane is turned outwards. If the middle lies
+/// inside all of the turned planes, no ray outside of the outline does: on the way to it from the
+/// middle one leaves the outline across an edge, where c . x > 0, so that its turned plane is passed
+/// there or before. Where the middle lies outside of a turned plane, which may be passed inwards
+/// beyond the edge, the plane itself counts, too.
 fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: &Room) -> Option<DVec3> {
     let nearest = p + edge * (-p.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
     let distance = nearest.length();

@@ -6,8 +6,8 @@ use crate::common::*;
 use crate::forms::{self, Recipe, places};
 use crate::rays::Eye;
 use crate::{
-    Frame, SIZE, Solid, Tested, Thing, World, eye_at, eye_of, frame, look, lost, options, solid, targets,
-    view_of, world,
+    Frame, SIZE, Solid, Tested, Thing, World, blocker_of, eye_at, eye_of, frame, look, lost, options, solid,
+    targets, view_of, world,
 };
 
 /// An eye moved by a step, without turning.
@@ -116,6 +116,26 @@ proptest! {
 
 proptest! {
     #![proptest_config(cases(320))]
+
+    #[test]
+    fn spikes_beside_the_eye_hide_what_no_eye_sees(seed in any::<u64>(), reach in 0.0..0.9f64) {
+        let mut random = Random(seed);
+        let (foot, wide, lean) = (random.direction(), random.within(0.02, 0.4), random.vector(-1.0, 1.0));
+        let tip = foot + (foot.any_orthonormal_vector() + lean) * random.within(2.0, 12.0);
+        let mut corner = || (foot + random.vector(-wide, wide)).as_vec3();
+        let corners = vec![corner(), corner(), corner(), tip.as_vec3()];
+        let spike = mesh(corners, vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]);
+        let (mut scene, blocker) = (empty(), blocker_of(&spike, None, false));
+        let tested = Tested::Triangles(blocker.triangles.clone());
+        let mut things = vec![Thing { id: scene.solid(spike), tested, blocker: Some(blocker) }];
+        for _ in 0..100 {
+            let at = (random.direction() * random.within(2.0, 40.0)).as_vec3();
+            things.push(Thing { id: scene.fixed(Aabb::new(at, at)), tested: Tested::Box(at, at), blocker: None });
+        }
+        let world = World { scene, things, meshes: Vec::new(), made: Vec::new() };
+        let view = around(Vec3::ZERO).with_reach(reach as f32).unwrap();
+        are_served(&world, (Method::point(), view), &steps(reach, 20, seed), Eye::Around, (1, seed))?;
+    }
 
     #[test]
     fn sheets_drawn_in_many_batches_lose_nothing(
