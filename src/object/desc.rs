@@ -138,10 +138,9 @@ impl ObjectDesc {
     /// all layers.
     ///
     /// Its occluder hides in the views that show the object, and in no others.
-    /// [`crate::Method::Cell`] joins occluders with the same mask only, and so does
-    /// [`crate::Method::Point`] where solids abut; occluders on more than 16 different masks at a
-    /// time are not joined, and hide nothing from [`crate::Method::Cell`]. On no layer (0) an
-    /// object is shown by no view.
+    /// [`crate::Method::Cell`] joins occluders with the same mask only, and while some are on 16
+    /// different masks, those on others hide nothing from it. On no layer (0) an object is shown by
+    /// no view.
     ///
     /// Engines with more than 64 layers give layers 0 to 62 a bit each and all others the last bit.
     /// Sets then contain objects of layers that a view does not show, which the engine leaves out.

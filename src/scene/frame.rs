@@ -38,9 +38,6 @@ impl Scene {
     /// any object that is reported on expiry is in no volume, a look at each dynamic one that is in
     /// none.
     ///
-    /// Also brings up to date the boxes that close the seams between static solids inserted or
-    /// removed since, for [`crate::Method::Point`].
-    ///
     /// # Errors
     /// Refuses a time that is not finite; then nothing changes.
     pub fn begin_frame(&mut self, now: f64) -> Result<Vec<ObjectId>, Error> {

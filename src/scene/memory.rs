@@ -8,7 +8,7 @@ use crate::scene::object::Object;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MemoryUse {
-    /// Os, O, and boxes of opaque cells.
+    /// Os and O.
     pub opacity: usize,
     /// I.
     pub ids: usize,

@@ -143,7 +143,7 @@ pub struct Scene {
     user_data: UserData,
     /// Where queries find objects: I, lists, zones and volumes.
     index: SpatialIndex,
-    /// O and Os, with the boxes of static opaque cells that are drawn like solids.
+    /// O and Os.
     opacity: Opacity,
     /// The patches of all surfaces, and where those of static objects touch.
     seams: Seams,

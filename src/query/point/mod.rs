@@ -82,12 +82,10 @@ impl PointScratch {
     /// like any others.
     ///
     /// Nothing visible is lost: let a pixel be covered that was not opened. Every ray that it
-    /// hides, from any eye within reach, met a solid, a patch or a box of opaque cells. A ray that
-    /// ends in a pixel that was not opened passes no point of an occluder that is gone: otherwise
-    /// the ray from the middle to the same end would pass within the reach of that point. So the
-    /// ray met others, which are there; also in a box of cells, each of which solids fill that are
-    /// there or that the ray does not meet. Occluders that were never offered need no hole: no free
-    /// ray reached them.
+    /// hides, from any eye within reach, met a solid or a patch. A ray that ends in a pixel that was
+    /// not opened passes no point of an occluder that is gone: otherwise the ray from the middle to
+    /// the same end would pass within the reach of that point. So the ray met others, which are
+    /// there. Occluders that were never offered need no hole: no free ray reached them.
     ///
     /// Open pixels must not be [refined](crate::PointOptions::unrefined), since the lists of
     /// occluders in the buffers name some that are gone.
