@@ -47,11 +47,12 @@ impl Lamps {
         let (mut all, mut power) = (Vec::new(), 0.0);
         for (surface, s) in (0..).zip(&voxels.surfaces) {
             let material = &materials[s.material as usize];
-            if material.emits() {
-                // Nothing shines in holes.
-                let radiance = material.emission * s.mean().1;
-                // As the eye weighs it (Rec. 709).
-                let bright = radiance.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
+            // Nothing shines in holes.
+            let radiance = material.emission * s.mean().1;
+            // As the eye weighs it (Rec. 709).
+            let bright = radiance.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
+            // Shares of what single precision takes for no light are no numbers.
+            if bright as f32 > 0.0 {
                 power += bright * s.area;
                 all.push(Lamp { surface, radiance, bright, share: power });
             }

@@ -158,7 +158,7 @@ impl Cache {
             self.gathered.push(new);
         }
         self.gathered.sort_unstable();
-        self.inherit(&map.fresh, &old, &old_glow);
+        self.inherit(&map, &old, &old_glow);
         moved.kept = self.gathered.len();
         // A state that lost its starts is gathered anew, if it is still there.
         let old_gathered = old_gathered.iter().map(|s| (*s, Wish::Asked));
@@ -191,24 +191,37 @@ impl Cache {
     }
 
     /// Lets states of entries that are new, or have other starts, send the light of the nearest old
-    /// state that faces like them on the same object: what moves would be dark until its turn.
-    fn inherit(&mut self, entries: &[u32], old: &Voxels, glow: &[Glow]) {
+    /// state that faces like them on the same object, if the way between both is free of what stood
+    /// there or of what stands there: what moves would be dark until its turn.
+    fn inherit(&mut self, map: &StateMap, old: &Voxels, glow: &[Glow]) {
         let object = |voxels: &Voxels, e: u32| voxels.surfaces[voxels.members_of(e)[0] as usize].object;
-        for &number in entries {
+        let nearest = |number: u32| {
             let entry = self.voxels.entries[number as usize];
             let own = object(&self.voxels, number);
             let is_like = |e: &u32| old.entries[*e as usize].bin == entry.bin && object(old, *e) == own;
             let far = |e: &u32| old.entries[*e as usize].middle.distance_squared(entry.middle);
             let cells = old.lattice.all_at(entry.middle.as_dvec3()).flat_map(|c| old.lattice.around(c));
             let near = cells.flat_map(|c| old.entries_of(c)).filter(is_like);
-            let Some(nearest) = near.min_by(|a, b| far(a).total_cmp(&far(b))) else { continue };
-            for side in 0..2 {
-                let state = 2 * number + side;
-                if self.blocks[state as usize].count == 0 {
-                    self.glow[state as usize] = glow[(2 * nearest + side) as usize];
-                    self.send(state);
-                }
+            near.min_by(|a, b| far(a).total_cmp(&far(b)))
+        };
+        let before = |state: u32| match known(map.states[state as usize]) {
+            Some(kept) => self.starts(kept),
+            None => map.starts.of(old, state),
+        };
+        let heir = |&state: &u32| {
+            let from = 2 * nearest(state / 2)? + state % 2;
+            if self.blocks[state as usize].count > 0 || glow[from as usize] == Glow::default() {
+                return None;
             }
+            let to = self.starts(state).first()?.at.as_dvec3();
+            let is_free = |s: &Start| [old, &self.voxels].iter().any(|v| v.free(s.at.as_dvec3(), to));
+            before(from).iter().any(is_free).then_some((state, glow[from as usize]))
+        };
+        let states: Vec<u32> = map.fresh.iter().flat_map(|entry| [2 * entry, 2 * entry + 1]).collect();
+        let heirs: Vec<_> = states.par_iter().filter_map(heir).collect();
+        for (state, glow) in heirs {
+            self.glow[state as usize] = glow;
+            self.send(state);
         }
     }
 
@@ -285,6 +298,7 @@ impl Cache {
             entries: vec![NONE; old.states() as usize],
             fresh: Vec::new(),
             near: change.boxes().to_vec(),
+            starts: StartTable::default(),
         };
         let mut table = StartTable::new(new.states());
         // States near what moved: old and new numbers, and starts that may be others now.
@@ -326,7 +340,7 @@ impl Cache {
                 map.stretch(solid, &new.lattice, new.lattice.place(new.entries[entry as usize].cell));
             }
         }
-        self.starts = table;
+        map.starts = std::mem::replace(&mut self.starts, table);
         map
     }
 }
@@ -341,6 +355,8 @@ struct StateMap {
     fresh: Vec<u32>,
     /// The boxes of what changed, stretched over the cells of entries with other starts.
     near: Vec<Bounds>,
+    /// Those of old states that did not stay.
+    starts: StartTable,
 }
 
 impl StateMap {

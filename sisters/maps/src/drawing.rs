@@ -101,8 +101,7 @@ impl Drawing {
         let mut drawing = Self { walls: map.walls, warnings: map.warnings, ..Self::default() };
         let others = map.objects.iter().filter(|object| object.role == Role::Wall).count();
         if others > 0 {
-            let what = "walls are no whole tiles: they are left out here, and hide nothing";
-            drawing.warnings.push(format!("{others} {what}"));
+            drawing.warnings.push(format!("{others} walls are no whole tiles: left out, they hide nothing"));
         }
         for object in &map.objects {
             let around = object.bounds.bounds();

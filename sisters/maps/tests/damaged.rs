@@ -94,10 +94,6 @@ fn objects_cost_what_their_bytes_do() {
     let (open, close) = ("<properties><property name=\"p\" type=\"class\">", "</property></properties>");
     let deep = format!("<object><point/>{}{}</object>", open.repeat(20_000), close.repeat(20_000));
     assert_eq!(read_objects("o", &deep), (2, 0));
-    // Groups in each other.
-    let groups =
-        format!("<x/></objectgroup>{}{}<objectgroup>", "<group>".repeat(90_000), "</group>".repeat(90_000));
-    assert_eq!(read_objects("o", &groups), (1, 0));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Which names and values in maps say that something blocks sight.
 
-use super::element::Element;
+use super::element::{Element, finite};
 
 /// What blocks sight, unless [`TmxImport::walls`](super::TmxImport::walls) says otherwise.
 #[rustfmt::skip]
@@ -108,6 +108,6 @@ fn truth(text: &str) -> Option<bool> {
     match text.trim().to_ascii_lowercase().as_str() {
         "true" | "yes" | "on" => Some(true),
         "false" | "no" | "off" => Some(false),
-        number => number.parse().ok().map(|number: f64| number != 0.0),
+        number => finite(number).map(|number| number != 0.0),
     }
 }

@@ -59,8 +59,7 @@ impl TmxObject {
     }
 }
 
-/// Reads the objects of a layer. Texts are passed over, as are pictures and what is made of
-/// templates.
+/// Reads the objects of a layer, but for texts, pictures and what is made of templates.
 pub fn read(layer: &Layer<'_>, space: Space, rule: &Rule, all: &mut Vec<TmxObject>, said: &mut Vec<String>) {
     let name = layer.short_name();
     let mut passed = 0;

@@ -9,8 +9,8 @@ use super::element::Element;
 use super::names::{Role, Rule};
 use crate::MapError;
 
-/// Coordinates in tiles, at most.
-pub const FARTHEST: f64 = (1u64 << 30) as f64;
+/// Coordinates in tiles, at most: single precision, which scenes have, holds whole numbers up to it.
+pub const FARTHEST: f64 = (1u64 << 24) as f64;
 
 /// Tiles along a side of a map, at most: the editor makes no larger ones.
 const LONGEST_SIDE: i64 = 1 << 20;
@@ -111,14 +111,15 @@ impl Space {
         I64Vec2::new(y + x, y - x) / 2
     }
 
-    /// The corners of a hexagon in tiles. Neighbours share them: numbers are whole up to the division.
+    /// The corners of a hexagon in tiles. Neighbours share them, or overlap: the editor drops half pixels.
     pub fn hexagon(self, tile: I64Vec2, shift: DVec2) -> Option<[DVec2; 8]> {
         let stagger = self.stagger?;
-        let (near, far) = (self.tile - stagger.side?, self.tile + stagger.side?);
-        let (DVec2 { x: a, y: b }, DVec2 { x: c, y: d }, DVec2 { x, y }) = (near, far, 2.0 * self.tile);
+        let (side, size) = (stagger.side?, 2.0 * self.tile);
+        let near = 2.0 * ((self.tile - side) / 2.0).floor();
+        let (DVec2 { x: a, y: b }, DVec2 { x: c, y: d }, DVec2 { x, y }) = (near, size - near, size);
         let corners = [(a, 0.0), (c, 0.0), (x, b), (x, d), (c, y), (a, y), (0.0, d), (0.0, b)];
-        let at = stagger.steps(tile).as_dvec2() * far + 2.0 * shift;
-        Some(corners.map(|corner| (at + DVec2::from(corner)) / (2.0 * self.tile)))
+        let at = stagger.steps(tile).as_dvec2() * (near + 2.0 * side) + 2.0 * shift;
+        Some(corners.map(|corner| (at + DVec2::from(corner)) / size))
     }
 
     /// A shift in whole tiles; `None` if it is none.

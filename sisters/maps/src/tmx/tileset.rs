@@ -66,8 +66,8 @@ impl Tileset {
     }
 }
 
-/// The bits of an id that are not for turning the tile.
-pub const TILE: u32 = 0x1fff_ffff;
+/// The bits of an id that are not for turning the tile. The fourth turns hexagons only.
+pub const TILE: u32 = 0x0fff_ffff;
 
 /// The tilesets of a map, with the ids of their first tiles, which ascend.
 pub struct Tilesets(Vec<(u32, Rc<Tileset>)>);
@@ -102,7 +102,7 @@ impl Tilesets {
         Ok(Self(all))
     }
 
-    /// The tile of an id, of which the upper three bits turn it; `None` if there is no such tile.
+    /// The tile of an id, of which the upper four bits turn it; `None` if there is no such tile.
     pub fn find(&self, id: u32) -> Option<Tile> {
         let id = id & TILE;
         let after = self.0.partition_point(|(first, _)| *first <= id);

@@ -183,8 +183,9 @@ fn chunks_of_infinite_maps_lie_where_they_say() {
 fn spread_chunks_and_damaged_ones_are_refused() {
     let far = infinite(&[[-1_000_000, 0, 1, 1], [1_000_000, 1_000_000, 1, 1]], |_, _| true);
     assert!(why(&far).contains("spread over 2000001 by 1000001 tiles, but have 4 only"));
-    let edge = infinite(&[[i32::MAX - 3, i32::MIN, 2, 2]], |_, _| true);
-    assert!(why(&edge).contains("spread over"));
+    let edge = |x, y| infinite(&[[x, y, 2, 2]], |_, _| true);
+    assert!(why(&edge(i32::MAX - 3, i32::MIN)).contains("spread over"));
+    assert!(map(&edge(1 << 23, 1 - (1 << 24))).is_ok() && map(&edge(0, (1 << 24) - 1)).is_err());
     let near = infinite(&[[-2000, 0, 1, 1], [2000, 2000, 1, 1]], |_, _| true);
     assert_eq!(map(&near).unwrap().walls.count(), 2, "as small as any map may be");
     let small = infinite(&[[0, 0, 4, 4]], |_, _| true);
@@ -200,8 +201,7 @@ fn spread_chunks_and_damaged_ones_are_refused() {
         let why = why(&small.replacen(from, to, 1));
         assert!(why.contains(said), "{why} / {said}");
     }
-    let none = infinite(&[], |_, _| true);
-    let found = map(&none).unwrap();
+    let found = map(&infinite(&[], |_, _| true)).unwrap();
     assert_eq!((found.walls.count(), found.objects.len()), (0, 1), "a map of objects");
 }
 

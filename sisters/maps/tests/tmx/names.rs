@@ -68,6 +68,7 @@ fn tiles_block_by_class_and_by_properties_of_all_types() {
         tile("class=\"wall\"", &property("opaque", "type=\"bool\"", "false")),
         tile("", &property("opaque", "type=\"int\"", "0")),
         tile("", &property("opaque", "", "maybe")),
+        tile("", &property("opaque", "type=\"float\"", "nan")),
     ] {
         assert_eq!(walls(&map_of(&none, &layer("name=\"a\"", "", "1,2,0,2"))), [0u32; 0], "{none}");
     }
