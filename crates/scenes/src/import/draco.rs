@@ -25,6 +25,7 @@ const FOR_A_BYTE: usize = 128;
 
 const TWICE: &str =
     "is there twice, plain and packed by Draco, which rounds: the plain form is read; draw that one";
+const ADVICE: &str = "; export it anew, or without compression";
 
 /// A document whose primitives are unpacked.
 struct Document {
@@ -72,9 +73,8 @@ pub(super) fn unpack_primitives(
                     let packed = buffers.view(view).map_err(|why| why.to_string())?;
                     new.unpack(primitive, &said["attributes"], view.index(), packed)
                 })
-                .map_err(|why| {
-                    Trouble::Packed(format!("{place} is packed by Draco, and cannot be had: {why}"))
-                })?;
+                .map_err(|why| format!("{place} is packed by Draco, and cannot be had: {why}{ADVICE}"))
+                .map_err(Trouble::Part)?;
         }
     }
     let Document { mut root, bytes, .. } = new;
