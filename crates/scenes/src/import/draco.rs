@@ -91,11 +91,12 @@ fn said(primitive: &Primitive) -> Option<&Value> {
 }
 
 impl Document {
-    /// Whether the positions of a primitive have no bytes, so that they would all be zeros.
+    /// Whether the positions or indices of a primitive have no bytes, so that they would be zeros.
     fn is_bare(&self, primitive: &Primitive) -> bool {
-        let accessor = primitive.attributes.get(&Valid(Semantic::Positions));
-        let accessor = accessor.and_then(|accessor| self.root.get(*accessor));
-        accessor.is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none())
+        let positions = primitive.attributes.get(&Valid(Semantic::Positions)).copied();
+        let mut accessors = [positions, primitive.indices].into_iter().flatten();
+        let zeros = |a: &Accessor| a.buffer_view.is_none() && a.sparse.is_none();
+        accessors.any(|accessor| self.root.get(accessor).is_some_and(zeros))
     }
 
     /// Unpacks a primitive from a buffer view. Its accessors read the unpacked bytes from then on.
