@@ -106,7 +106,8 @@ impl Reader<'_> {
                 return Ok(None);
             };
             let own = self.deformed.bounds(&mut self.meshes, &level, &mesh, &self.unread)?;
-            all = all.zip(own).map(|(a, b)| (a.0.min(b.0), a.1.max(b.1)));
+            let (Some(a), Some(b)) = (all, own) else { return Ok(None) };
+            all = Some((a.0.min(b.0), a.1.max(b.1)));
         }
         Ok(all)
     }

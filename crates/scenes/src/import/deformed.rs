@@ -36,7 +36,8 @@ impl Deformed<'_> {
         mesh: &gltf::Mesh,
         moved: &[bool],
     ) -> Result<Option<Bounds>, Trouble> {
-        let Some(weights) = self.weights(node, mesh)? else { return Ok(None) };
+        let are_few = self.buffers.spend(mesh.primitives().len());
+        let Some(weights) = self.weights(node, mesh)?.filter(|_| are_few) else { return Ok(None) };
         let Some(skin) = node.skin() else {
             let mut corners = Vec::new();
             for primitive in mesh.primitives() {

@@ -138,8 +138,8 @@ pub(super) fn levels_of<'a>(
     document: &'a gltf::Document,
     node: &gltf::Node,
 ) -> impl Iterator<Item = Option<gltf::Node<'a>>> {
-    let ids = node.extension_value(LEVELS).and_then(|levels| levels["ids"].as_array()).cloned();
-    let level = |id: Value| document.nodes().nth(usize::try_from(id.as_u64()?).ok()?);
+    let ids = node.extension_value(LEVELS).and_then(|levels| levels["ids"].as_array());
+    let level = |id: &Value| document.nodes().nth(usize::try_from(id.as_u64()?).ok()?);
     ids.into_iter().flatten().map(level)
 }
 
