@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use casca::{Error, Method, Query, View};
-use web_time::Instant;
 
 use crate::drive::{Driver, view_of};
 use crate::world::World;
@@ -37,7 +36,7 @@ fn thread_clock() -> Duration {
 
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 fn thread_clock() -> Duration {
-    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    static START: std::sync::LazyLock<web_time::Instant> = std::sync::LazyLock::new(web_time::Instant::now);
     START.elapsed()
 }
 
@@ -45,14 +44,6 @@ fn thread_clock() -> Duration {
 /// this thread.
 pub fn timed<T>(call: impl FnOnce() -> T) -> (T, Duration) {
     let start = ThreadTime::now();
-    let value = call();
-    (value, start.elapsed())
-}
-
-/// What a call gives, and the time that passes: for calls that several threads share, or that wait
-/// for files.
-pub fn timed_by_wall<T>(call: impl FnOnce() -> T) -> (T, Duration) {
-    let start = Instant::now();
     let value = call();
     (value, start.elapsed())
 }
@@ -100,8 +91,6 @@ mod tests {
         let long = Duration::from_millis(50);
         let ((), slept) = timed(|| std::thread::sleep(long));
         assert!(slept < long / 2, "{slept:?}");
-        let ((), passed) = timed_by_wall(|| std::thread::sleep(long));
-        assert!(passed >= long, "{passed:?}");
         // Work goes on until the clock has gone on: it would never end if it stood still.
         let start = ThreadTime::now();
         let mut sum = 0u64;

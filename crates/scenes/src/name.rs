@@ -47,17 +47,6 @@ impl fmt::Display for SceneName {
 }
 
 impl SceneName {
-    /// Tries whether a file can be taken, before work that comes first. Costs loading it.
-    ///
-    /// # Errors
-    /// As [`import::load`].
-    pub fn check(&self) -> Result<(), ImportError> {
-        match self {
-            Self::Built(_) => Ok(()),
-            Self::File(_) | Self::Given(..) => self.open(&SceneOptions::default()).map(|_| ()),
-        }
-    }
-
     /// Builds or loads the scene. A file has its own seed and frames.
     ///
     /// # Errors
@@ -85,19 +74,19 @@ mod tests {
             let said = bad.parse::<SceneName>().unwrap_err();
             assert!(said.contains("crowd") && said.contains(".gltf"), "{said}");
         }
-        assert!(SceneName::Built(SceneKind::City).check().is_ok());
+        let refused = |name: SceneName| name.open(&SceneOptions::default()).err().unwrap().to_string();
         let folder = std::env::temp_dir().join(format!("casca-scene-{}.glb", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let file = folder.join("none.glb");
         for bad in [file.clone(), folder.clone()] {
-            let said = SceneName::File(bad.clone()).check().unwrap_err().to_string();
+            let said = refused(SceneName::File(bad.clone()));
             assert!(said.starts_with(&format!("{}: cannot be read", bad.display())), "{said}");
         }
         std::fs::write(&file, "no scene").unwrap();
         let given = SceneName::Given("dropped".to_owned(), b"no scene".as_slice().into());
-        let said = given.check().unwrap_err().to_string();
+        let said = refused(given);
         assert!(said.starts_with("dropped: is not a valid"), "{said}");
-        let said = SceneName::File(file.clone()).check().unwrap_err().to_string();
+        let said = refused(SceneName::File(file.clone()));
         assert!(said.starts_with(&format!("{}: is not a valid", file.display())), "{said}");
         std::fs::remove_dir_all(&folder).unwrap();
     }

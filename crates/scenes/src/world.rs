@@ -44,6 +44,18 @@ pub struct Mesh {
     pub sides: Vec<Sides>,
 }
 
+/// The least and the greatest corner of a box.
+pub(crate) type Bounds = (Vec3, Vec3);
+
+/// The box around points, which is no number if one of them is none: the least of a number and of
+/// what is none may be either, so that all points before would be forgotten.
+pub(crate) fn around(points: impl IntoIterator<Item = Vec3>) -> Bounds {
+    points.into_iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| match (lo + p).is_nan() {
+        true => (Vec3::NAN, Vec3::NAN),
+        false => (lo.min(p), hi.max(p)),
+    })
+}
+
 /// The triangles of a box by the numbers of its [`box_corners`], counter-clockwise seen from
 /// outside.
 pub const BOX_TRIANGLES: [[u32; 3]; 12] = [
@@ -133,8 +145,7 @@ impl Mesh {
 
     /// The least and the greatest corner of its vertices under a transform.
     pub fn bounds(&self, transform: &Affine3A) -> (Vec3, Vec3) {
-        let points = self.positions.iter().map(|&p| transform.transform_point3(p));
-        points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+        around(self.positions.iter().map(|&p| transform.transform_point3(p)))
     }
 
     /// Whether it bounds solids and its triangles face outwards: vertices of equal positions taken

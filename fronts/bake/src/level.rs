@@ -14,8 +14,10 @@ use crate::solids::solids_of;
 
 /// The static objects of a level, and the occluders among them.
 ///
-/// The number of an object is its place in [`World::objects`], for a glTF file the order of its
-/// nodes. Objects that move are left to run time: they are in no set, and hide nothing.
+/// The number of an object is its place in [`World::objects`]: for a glTF file in the order of its
+/// nodes, each before those that hang from it, without those that are hidden or left out.
+/// [`Source::parts`](casca_scenes::world::Source::parts) names the node of each. Objects that move
+/// are left to run time: they are in no set, and hide nothing.
 pub struct Level {
     pub(crate) scene: Scene,
     /// The box around each object; `None` if it moves, or its visibility is not asked for.

@@ -425,6 +425,24 @@ fn other_cells_than_those_that_sets_tell_of_are_refused() {
 }
 
 #[test]
+fn the_journal_of_objects_with_other_numbers_is_refused() {
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let places = Places { edge: 20.0, height: Some((0.2, 2.0)), within: None };
+    let folder = tempfile::tempdir().unwrap();
+    let bake = |world: &World| {
+        let level = Level::new(world, None, false).unwrap();
+        let baker = Baker::new(&level, &places, 16).unwrap();
+        baker.run(1, Some(&folder.path().join("journal")), &mut |_, _| ControlFlow::Continue(()))
+    };
+    let sets = bake(&world).unwrap().finish().unwrap();
+    assert_eq!(bake(&world).unwrap().finish().unwrap(), sets);
+    // A door that moves, before all that stand still.
+    let door = Object { motion: Motion::Dynamic { max_speed: 1.0 }, ..world.objects[0].clone() };
+    world.objects.insert(0, door);
+    assert!(matches!(bake(&world), Err(BakeError::OtherJournal(_))));
+}
+
+#[test]
 fn files_of_levels_far_from_the_origin_have_the_coordinates_of_the_level() {
     let origin = DVec3::new(500_000.0, 0.0, -5_414_016.0);
     let mut level = world(SceneKind::Rooms, 0.2);

@@ -158,15 +158,26 @@ impl Cells {
         (z * self.dims[1] + y) * self.dims[0] + x
     }
 
+    /// Whether a cell is in a box of them.
+    pub(crate) fn is_in(&self, cell: u32, all: CellBox) -> bool {
+        let at = self.place(cell);
+        (0..3).all(|i| (all.low[i]..=all.high[i]).contains(&at[i]))
+    }
+
+    /// The place of a cell along each axis, from its number.
+    fn place(&self, cell: u32) -> [u32; 3] {
+        let [x, y, _] = self.dims;
+        [cell % x, cell / x % y, cell / x / y]
+    }
+
     /// The least and the greatest corner of a box that holds each place for which [`Cells::at`] is
     /// this cell, with room for its rounding: where eyes may be that use the set of the cell. It
     /// ends where the grid does. `None` if there is no such cell.
     pub fn room(&self, cell: u32) -> Option<([f64; 3], [f64; 3])> {
-        let [x, y, _] = self.dims;
         if cell >= self.count()? {
             return None;
         }
-        let at = [cell % x, cell / x % y, cell / x / y];
+        let at = self.place(cell);
         let border = |i: usize, at: f64| (self.low[i] + at * self.size[i]).max(self.low[i]).min(self.high(i));
         let low = core::array::from_fn(|i| border(i, f64::from(at[i]) - ROUNDING));
         let high = core::array::from_fn(|i| border(i, f64::from(at[i]) + 1.0 + ROUNDING));

@@ -143,7 +143,7 @@ impl<'a> Baked<'a> {
         let (Some(eyes), Some(target)) = (eyes, target) else { return true };
         let known = |all| self.cells.numbers(all).all(|cell| self.set_number(cell).is_some());
         let mut seen = self.cells.numbers(eyes).filter_map(|cell| self.set(cell)).flatten();
-        let is_in = |cell: u32| self.cells.numbers(target).any(|one| one == cell);
+        let is_in = |cell: u32| self.cells.is_in(cell, target);
         !self.is_cell_to_cell || !known(eyes) || !known(target) || seen.any(is_in)
     }
 

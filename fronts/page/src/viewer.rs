@@ -73,7 +73,7 @@ impl Viewer {
     /// What is wrong with the file.
     pub fn file(&self, name: &str, bytes: &[u8]) -> Result<(), JsError> {
         let given = SceneName::Given(name.to_owned(), bytes.into());
-        given.check().map_err(refused)?;
+        given.open(&Default::default()).map_err(refused)?;
         let method = scene::playback::Method::Point;
         let start = scene::window::start(vec![given], &Default::default(), method, First::Path);
         self.hands.order(Order::Start(start));

@@ -127,7 +127,7 @@ impl<'a> Images<'a> {
 
     fn read(&mut self, texture: &gltf::Texture) -> Result<Picture, Trouble> {
         let source = texture.source();
-        let fail = |why: String| Trouble::Image { image: source.index(), why };
+        let fail = |why: String| Trouble::Part(format!("image {} {why}", source.index()));
         let bytes = match source.source() {
             gltf::image::Source::View { view, .. } => self.buffers.view(&view)?.to_vec(),
             gltf::image::Source::Uri { uri: "", .. } => {

@@ -158,5 +158,5 @@ fn texture_of(picture: &Picture, info: &Info, least: f32, factor: f32) -> Result
     };
     let texels = (0..down * h).flat_map(|y| (0..across * w).map(move |x| (x, y))).map(texel);
     let image = info.texture().source().index();
-    Texture::new(across * w, down * h, texels).map_err(|why| Trouble::Image { image, why: why.to_string() })
+    Texture::new(across * w, down * h, texels).map_err(|why| Trouble::Part(format!("image {image} {why}")))
 }

@@ -63,7 +63,7 @@ fn measure(world: World, sampling: &Sampling) -> Result<Vec<WorthLine>, LabError
                 in_frustum: &in_frustum,
                 camera: &camera,
             };
-            let (first, counts) = (round == 0, sampling.walk.since_jump(number) >= SETTLE);
+            let (first, counts) = (round == 0, number % sampling.walk.frames.max(1) >= SETTLE);
             let judges = first && number % sampling.judge == sampling.judge / 2;
             let visible = if judges { visible_in(&mut exact, &world.objects, &camera) } else { Vec::new() };
             // Each frame starts with another one, so that none is always the one after the judgement.

@@ -90,16 +90,12 @@ impl SceneKind {
     }
 }
 
-/// The name is none of a scene.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0} is no scene: there are {names}", names = SceneKind::names())]
-pub struct UnknownScene(String);
-
 impl FromStr for SceneKind {
-    type Err = UnknownScene;
+    type Err = String;
 
-    fn from_str(name: &str) -> Result<Self, UnknownScene> {
-        Self::ALL.into_iter().find(|k| k.name() == name).ok_or_else(|| UnknownScene(name.to_owned()))
+    fn from_str(name: &str) -> Result<Self, String> {
+        let unknown = || format!("{name} is no scene: there are {}", Self::names());
+        Self::ALL.into_iter().find(|k| k.name() == name).ok_or_else(unknown)
     }
 }
 

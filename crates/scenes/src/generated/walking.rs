@@ -40,13 +40,6 @@ pub struct WalkOptions {
     pub seed: u64,
 }
 
-impl WalkOptions {
-    /// The number of a frame in its stretch.
-    pub fn since_jump(&self, frame: usize) -> usize {
-        frame % self.frames.max(1)
-    }
-}
-
 /// Turns a scene into one where a person walks along its path at 1.5 m/s and looks around, turning
 /// by at most 90 degrees a second. All its objects stand still as they are at frame 0; the movers
 /// are new ones. In scenes smaller than 60 m across, movers are smaller and slower in proportion.
@@ -169,7 +162,7 @@ mod tests {
             let forward = |c: &Camera| -c.view.row(2).truncate();
             let mut fastest = 0f32;
             for frame in 1..world.frames {
-                if options(0).since_jump(frame) == 0 {
+                if frame % options(0).frames == 0 {
                     continue;
                 }
                 let (a, b) = (world.camera(frame - 1, ASPECT), world.camera(frame, ASPECT));

@@ -9,7 +9,7 @@ use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::{Accessor, buffer::View};
 
-use super::error::Trouble;
+use super::error::{Trouble, short};
 
 /// Elements that an accessor without a buffer view may have: they take memory, but no bytes of the
 /// file.
@@ -222,7 +222,7 @@ impl Buffers {
         let end = view.offset().checked_add(view.length());
         let Some(bytes) = end.and_then(|end| bytes.get(view.offset()..end)) else {
             let needed = end.unwrap_or(usize::MAX);
-            return Err(Trouble::ShortBuffer { buffer, held: bytes.len(), needed });
+            return Err(short(buffer, bytes.len(), needed));
         };
         let length = (count - 1).checked_mul(stride).and_then(|n| n.checked_add(size));
         let end = length.and_then(|n| n.checked_add(offset));
@@ -232,7 +232,7 @@ impl Buffers {
 
 /// Why an accessor is refused.
 pub fn unfit(accessor: &Accessor, what: &'static str, why: &'static str) -> Trouble {
-    Trouble::Accessor { accessor: accessor.index(), what, why }
+    Trouble::Part(format!("accessor {} ({what}) is {why}", accessor.index()))
 }
 
 /// A little-endian number of at most 4 bytes.

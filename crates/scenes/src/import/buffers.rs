@@ -10,7 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use gltf::buffer::Source;
 use percent_encoding::percent_decode_str;
 
-use super::error::Trouble;
+use super::error::{Trouble, short, unread};
 use super::packed::packed;
 
 /// Files that were read, by their paths without detours: many buffers may name the same.
@@ -44,11 +44,11 @@ pub fn buffers_of(
                 buffers.push(None);
                 continue;
             }
-            Err(why) => return Err(Trouble::Buffer { buffer: index, why }),
+            Err(why) => return Err(unread(index, &why)),
             Ok(data) => data,
         };
         if data.len() < needed {
-            return Err(Trouble::ShortBuffer { buffer: index, held: data.len(), needed });
+            return Err(short(index, data.len(), needed));
         }
         buffers.push(Some(data));
     }

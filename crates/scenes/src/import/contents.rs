@@ -1,6 +1,6 @@
 //! All that a document holds, as a test scene.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{Affine3A, DAffine3, Vec3};
@@ -10,16 +10,16 @@ use super::animations::animate;
 use super::deformed::Deformed;
 use super::document::{File, QUANTIZATION};
 use super::error::Trouble;
-use super::hides::Changes;
-use super::instances::instances_of;
+use super::hides::{Changes, has_splats, levels_of};
+use super::instances::{INSTANCING, instances_of};
 use super::meshes::{Meshes, is_loose};
-use super::nodes::{Nodes, is_deformed, nodes_of, role_of, wrong};
+use super::nodes::{Nodes, Place, is_deformed, nodes_of, role_of, wrong};
 use super::origin::{Found, moved};
 use super::path::{FilePath, Moving, camera_of};
 use super::warnings::{Warnings, node_name};
 use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
 use crate::world::{
-    FRAME_SECONDS, FilePart, GridHint, Mesh, Motion, Object, Shape, Sides, Source, World, turn_of,
+    Bounds, FRAME_SECONDS, FilePart, GridHint, Mesh, Motion, Object, Shape, Sides, Source, World, turn_of,
 };
 
 /// Frames of a path that the file does not give.
@@ -37,6 +37,12 @@ type Known = Option<(Arc<Mesh>, Arc<[u32]>)>;
 /// What becomes objects.
 struct Reader<'a> {
     document: &'a gltf::Document,
+    /// By node: where the file puts it.
+    places: &'a [Place],
+    /// Nodes that animations move or deform.
+    animated: HashSet<usize>,
+    /// By place of a node: whether it is moved by what is not read.
+    unread: Vec<bool>,
     changes: &'a Changes,
     warnings: &'a Warnings,
     meshes: Meshes<'a>,
@@ -67,37 +73,71 @@ impl Reader<'_> {
         Ok(read)
     }
 
-    /// What a node shows if it deforms its mesh: a box around it in all frames, with the space of
-    /// the scene if it has a skin. `None` if it is left out.
-    fn boxed(&mut self, node: &gltf::Node, mesh: &gltf::Mesh, moved: &[bool]) -> Option<Mesh> {
-        let why = match self.deformed.bounds(&mut self.meshes, node, mesh, &|place| moved[place]) {
+    /// What a node shows if its mesh does not tell that: a box around it in all frames and levels of
+    /// detail, in the space of the scene if it has a skin. `None` if it is left out.
+    fn boxed(&mut self, node: &gltf::Node, mesh: &gltf::Mesh) -> Known {
+        let why = match self.bounds(node, mesh) {
             Ok(Some((low, high))) => {
-                let what =
-                    "has a skin or morph targets: it hides nothing, and counts as its box in all frames";
+                let what = "has a skin, morph targets or levels of detail: it hides nothing, and counts as \
+                            the box of all its forms in all frames";
                 self.warnings.add(node_name(node), what);
                 let mut mesh = Mesh::cuboid(low, high);
                 mesh.sides = vec![Sides::Neither; mesh.triangles.len()];
-                return Some(mesh);
+                return Some((Arc::new(mesh), Arc::default()));
             }
             Ok(None) => String::new(),
             Err(why) => format!(" ({why})"),
         };
-        let what = format!(
-            "has a skin or morph targets, and its bounds cannot be told{why}: it is left out; always draw it"
-        );
-        self.warnings.add(node_name(node), &what);
+        let what = "has a skin, morph targets, levels of detail or splats, and its bounds cannot be told";
+        self.leave_out(node, &format!("{what}{why}"));
         None
+    }
+
+    fn bounds(&mut self, node: &gltf::Node, mesh: &gltf::Mesh) -> Result<Option<Bounds>, Trouble> {
+        let levels: Vec<_> = levels_of(self.document, node).collect();
+        let is_placed = node.extension_value(INSTANCING).is_some();
+        if has_splats(mesh) || is_placed && (node.skin().is_some() || !levels.is_empty()) {
+            return Ok(None);
+        }
+        let mut all = self.deformed.bounds(&mut self.meshes, node, mesh, &self.unread)?;
+        for level in levels {
+            let level = level.filter(|level| self.is_beside(node, level));
+            let Some((mesh, level)) = level.and_then(|level| Some((level.mesh()?, level))) else {
+                return Ok(None);
+            };
+            let own = self.deformed.bounds(&mut self.meshes, &level, &mesh, &self.unread)?;
+            let (Some(a), Some(b)) = (all, own) else { return Ok(None) };
+            all = Some((a.0.min(b.0), a.1.max(b.1)));
+        }
+        Ok(all)
+    }
+
+    /// Whether a level of detail of a node is a still mesh in its place, and no more.
+    fn is_beside(&self, node: &gltf::Node, level: &gltf::Node) -> bool {
+        let moves = |node: &gltf::Node| self.animated.contains(&node.index()) || self.changes.moves(node);
+        let is_alone = level.children().len() == 0 && level.skin().is_none() && node.skin().is_none();
+        let is_one = levels_of(self.document, level).next().is_none()
+            && level.extension_value(INSTANCING).is_none()
+            && !level.mesh().is_some_and(|mesh| has_splats(&mesh));
+        let is_still = self.places[level.index()] == self.places[node.index()];
+        is_alone && is_one && is_still && !moves(node) && !moves(level)
+    }
+
+    fn leave_out(&self, node: &gltf::Node, why: &str) {
+        self.warnings.add(node_name(node), &format!("{why}: it is left out; always draw it"));
     }
 
     /// Of each node, with what it hangs from: whether it is surely drawn, `None` if it is hidden;
     /// and whether it is moved by what is not read.
     fn states(&self, nodes: &Nodes, all: &[gltf::Node]) -> (Vec<Option<bool>>, Vec<bool>) {
+        let levels = all.iter().flat_map(|node| levels_of(self.document, node)).flatten();
+        let levels: HashSet<usize> = levels.map(|level| level.index()).collect();
         let drawn = nodes.inherited(|node, parent: Option<Option<bool>>| {
-            let own = self.changes.draws(&all[node.index])?;
+            let own = self.changes.draws(&all[node.index])? && !levels.contains(&node.index);
             Some(own & parent.unwrap_or(Some(true))?)
         });
-        let moved = nodes
-            .inherited(|node, parent| self.changes.moved.contains(&node.index) || parent.unwrap_or(false));
+        let moved =
+            nodes.inherited(|node, parent| self.changes.moves(&all[node.index]) || parent.unwrap_or(false));
         (drawn, moved)
     }
 
@@ -105,30 +145,25 @@ impl Reader<'_> {
     fn objects(&mut self, nodes: &Nodes, moves: &[bool]) -> Result<Found, Trouble> {
         let globals = nodes.globals(0.0);
         let all: Vec<gltf::Node> = self.document.nodes().collect();
-        let (drawn, moved) = self.states(nodes, &all);
+        let drawn;
+        (drawn, self.unread) = self.states(nodes, &all);
         let mut found = Found::default();
         for (place, item) in nodes.0.iter().enumerate() {
             let node = &all[item.index];
             let (Some(mesh), Some(is_sure)) = (node.mesh(), drawn[place]) else { continue };
             let (occludes, tested) = role_of(node, self.warnings);
-            if moved[place] {
-                let what =
-                    "is moved by KHR_animation_pointer, which is not read: it is left out; always draw it";
-                self.warnings.add(node_name(node), what);
+            if self.unread[place] {
+                self.leave_out(node, "is moved by KHR_animation_pointer or physics, which are not read");
                 continue;
             }
             let is_deformed = is_deformed(node, &mesh, item.morphs);
             let has_skin = node.skin().is_some();
-            let (mesh, primitives) = match is_deformed {
-                true => match self.boxed(node, &mesh, &moved) {
-                    Some(mesh) => (Arc::new(mesh), Arc::default()),
-                    None => continue,
-                },
-                false => match self.rigid(&mesh)? {
-                    Some(known) => known,
-                    None => continue,
-                },
+            let has_levels = levels_of(self.document, node).next().is_some();
+            let known = match is_deformed || has_levels || has_splats(&mesh) {
+                true => self.boxed(node, &mesh),
+                false => self.rigid(&mesh)?,
             };
+            let Some((mesh, primitives)) = known else { continue };
             let dynamic = moves[place] && !has_skin;
             let name = node.name().unwrap_or("");
             let transform = if has_skin { DAffine3::IDENTITY } else { globals[place] };
@@ -206,7 +241,11 @@ pub fn contents(name: &str, file: &File, warnings: &Warnings) -> Result<World, T
     let changes = Changes::of(json);
     let deformed = Deformed { document, buffers, nodes: &nodes, frames };
     let known = HashMap::new();
-    let mut reader = Reader { document, changes: &changes, warnings, meshes, known, deformed };
+    let channels = document.animations().flat_map(|clip| clip.channels().collect::<Vec<_>>());
+    let animated = channels.map(|channel| channel.target().node().index()).collect();
+    let (places, changes, unread) = (&file.places[..], &changes, Vec::new());
+    let mut reader =
+        Reader { document, places, animated, unread, changes, warnings, meshes, known, deformed };
     let mut found = reader.objects(&nodes, &moves)?;
 
     let origin = moved(&mut found);

@@ -12,16 +12,7 @@ use super::meshes::Meshes;
 use super::nodes::Nodes;
 use super::path::time_of;
 use crate::numeric::{AFFINE, POSED};
-use crate::world::box_corners;
-
-/// The least and the greatest corner of a box.
-type Bounds = (Vec3, Vec3);
-
-const EMPTY: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-
-fn around(a: Bounds, b: Bounds) -> Bounds {
-    (a.0.min(b.0), a.1.max(b.1))
-}
+use crate::world::{Bounds, around, box_corners};
 
 /// By joint of a skin, the box of the points that follow it; and the least and the greatest sum of
 /// their weights.
@@ -43,19 +34,19 @@ impl Deformed<'_> {
         reader: &mut Meshes,
         node: &gltf::Node,
         mesh: &gltf::Mesh,
-        moved: &dyn Fn(usize) -> bool,
+        moved: &[bool],
     ) -> Result<Option<Bounds>, Trouble> {
-        let Some(weights) = self.weights(node, mesh)? else { return Ok(None) };
+        let are_few = self.buffers.spend(mesh.primitives().len());
+        let Some(weights) = self.weights(node, mesh)?.filter(|_| are_few) else { return Ok(None) };
         let Some(skin) = node.skin() else {
-            let mut all = EMPTY;
+            let mut corners = Vec::new();
             for primitive in mesh.primitives() {
                 let Some(accessor) = primitive.get(&Semantic::Positions) else { continue };
-                let points = reader.points(&accessor, mesh.index())?;
-                let rest = points.iter().fold(EMPTY, |b, &p| around(b, (p, p)));
-                let (low, high) = self.offsets(reader, &primitive, &weights)?;
-                all = around(all, (rest.0 + low, rest.1 + high));
+                let (rest, (low, high)) =
+                    (reader.around(&accessor)?, self.offsets(reader, &primitive, &weights)?);
+                corners.extend([rest.0 + low, rest.1 + high]);
             }
-            return Ok(Some(all).filter(is_sound));
+            return Ok(Some(around(corners)).filter(is_sound));
         };
         let Some(joints) = self.boxes_of_joints(reader, mesh, &weights)? else { return Ok(None) };
         self.posed(&skin, &joints, moved)
@@ -68,12 +59,10 @@ impl Deformed<'_> {
         let count = mesh.primitives().map(|p| p.morph_targets().len()).max().unwrap_or(0);
         let mut weights: Vec<[f32; 2]> =
             (0..count).map(|i| [rest.get(i).copied().unwrap_or(0.0); 2]).collect();
-        for channel in self.document.animations().flat_map(|a| a.channels().collect::<Vec<_>>()) {
+        let clips = self.document.animations().filter(|_| count > 0);
+        for channel in clips.flat_map(|clip| clip.channels().collect::<Vec<_>>()) {
             let target = channel.target();
-            if count == 0
-                || target.node().index() != node.index()
-                || target.property() != Property::MorphTargetWeights
-            {
+            if target.node().index() != node.index() || target.property() != Property::MorphTargetWeights {
                 continue;
             }
             if channel.sampler().interpolation() == Interpolation::CubicSpline {
@@ -81,6 +70,9 @@ impl Deformed<'_> {
             }
             let output = channel.sampler().output();
             let keys = self.buffers.floats::<1>(&output, "morph weights", Components::Normalized)?;
+            if keys.iter().flatten().any(|key| !key.is_finite()) {
+                return Ok(None);
+            }
             for (i, [key]) in keys.into_iter().enumerate() {
                 let [low, high] = &mut weights[i % count];
                 (*low, *high) = (low.min(key), high.max(key));
@@ -92,16 +84,15 @@ impl Deformed<'_> {
     /// How far morph targets take the points of a primitive.
     fn offsets(
         &self,
-        reader: &Meshes,
+        reader: &mut Meshes,
         primitive: &gltf::Primitive,
         weights: &[[f32; 2]],
     ) -> Result<Bounds, Trouble> {
         let mut sum = (Vec3::ZERO, Vec3::ZERO);
         for (target, &[least, most]) in primitive.morph_targets().zip(weights) {
             let Some(accessor) = target.positions() else { continue };
-            let (low, high) = reader.offsets(&accessor)?;
-            let ends = [low * least, low * most, high * least, high * most];
-            let (low, high) = ends.into_iter().fold(EMPTY, |b, p| around(b, (p, p)));
+            let (low, high) = reader.around(&accessor)?;
+            let (low, high) = around([low * least, low * most, high * least, high * most]);
             sum = (sum.0 + low, sum.1 + high);
         }
         Ok(sum)
@@ -134,8 +125,8 @@ impl Deformed<'_> {
                             return Ok(None);
                         }
                         sums[vertex] += share;
-                        let own = boxes.entry(joint as usize).or_insert(EMPTY);
-                        *own = around(*own, (p + low, p + high));
+                        let own = boxes.entry(joint as usize).or_insert((p + low, p + high));
+                        *own = around([own.0, own.1, p + low, p + high]);
                     }
                 }
             }
@@ -150,7 +141,7 @@ impl Deformed<'_> {
         &self,
         skin: &gltf::Skin,
         (boxes, sums): &Followed,
-        moved: &dyn Fn(usize) -> bool,
+        moved: &[bool],
     ) -> Result<Option<Bounds>, Trouble> {
         let place_of: HashMap<usize, usize> =
             self.nodes.0.iter().enumerate().map(|(place, node)| (node.index, place)).collect();
@@ -169,7 +160,7 @@ impl Deformed<'_> {
                     Mat4::from_cols_array(matrix)
                 }
             };
-            if moved(place) || !bind.row(3).abs_diff_eq(Vec4::W, AFFINE) {
+            if moved[place] || !bind.row(3).abs_diff_eq(Vec4::W, AFFINE) {
                 return Ok(None);
             }
             let bind = Affine3A::from_mat4(bind);
@@ -178,16 +169,13 @@ impl Deformed<'_> {
         if !self.buffers.spend(self.frames.saturating_mul(self.nodes.0.len() + corners.len())) {
             return Ok(None);
         }
-        let mut all = EMPTY;
-        for frame in 0..self.frames {
+        let all = around((0..self.frames).flat_map(|frame| {
             let globals = self.nodes.globals(time_of(frame));
-            for (place, corners) in &corners {
-                let points = corners.map(|p| globals[*place].transform_point3(p.as_dvec3()).as_vec3());
-                all = points.into_iter().fold(all, |b, p| around(b, (p, p)));
-            }
-        }
+            let at = |place: usize, p: Vec3| globals[place].transform_point3(p.as_dvec3()).as_vec3();
+            corners.iter().flat_map(|(place, corners)| corners.map(|p| at(*place, p))).collect::<Vec<_>>()
+        }));
         // Weights that are not 1 in sum are made so by some programs, and are factors in others.
-        let all = sums.iter().fold(all, |b, &sum| around(b, (all.0 * sum, all.1 * sum)));
+        let all = around([1.0, sums[0], sums[1]].into_iter().flat_map(|sum| [all.0 * sum, all.1 * sum]));
         let room = POSED * all.0.abs().max(all.1.abs());
         Ok(Some((all.0 - room, all.1 + room)).filter(is_sound))
     }

@@ -10,6 +10,7 @@ use super::buffers::buffers_of;
 use super::container::chunks;
 use super::draco::{DRACO, unpack_primitives};
 use super::error::Trouble;
+use super::hides::VISIBILITY;
 use super::instances::INSTANCING;
 use super::mend::mend;
 use super::nodes::Place;
@@ -19,8 +20,8 @@ use super::warnings::Warnings;
 /// Coordinates may be integers.
 pub const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Extensions that a file may require.
-const UNDERSTOOD: [&str; 6] =
-    [QUANTIZATION, INSTANCING, "KHR_animation_pointer", MESHOPT[0], MESHOPT[1], DRACO];
+const UNDERSTOOD: [&str; 7] =
+    [QUANTIZATION, INSTANCING, "KHR_animation_pointer", VISIBILITY, MESHOPT[0], MESHOPT[1], DRACO];
 /// What the names of extensions start with that change no geometry, only what it looks like.
 const COLOURS: [&str; 7] = [
     "KHR_materials_",

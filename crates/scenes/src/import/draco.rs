@@ -25,6 +25,7 @@ const FOR_A_BYTE: usize = 128;
 
 const TWICE: &str =
     "is there twice, plain and packed by Draco, which rounds: the plain form is read; draw that one";
+const ADVICE: &str = "; export it anew, or without compression";
 
 /// A document whose primitives are unpacked.
 struct Document {
@@ -72,9 +73,8 @@ pub(super) fn unpack_primitives(
                     let packed = buffers.view(view).map_err(|why| why.to_string())?;
                     new.unpack(primitive, &said["attributes"], view.index(), packed)
                 })
-                .map_err(|why| {
-                    Trouble::Packed(format!("{place} is packed by Draco, and cannot be had: {why}"))
-                })?;
+                .map_err(|why| format!("{place} is packed by Draco, and cannot be had: {why}{ADVICE}"))
+                .map_err(Trouble::Part)?;
         }
     }
     let Document { mut root, bytes, .. } = new;
@@ -91,11 +91,12 @@ fn said(primitive: &Primitive) -> Option<&Value> {
 }
 
 impl Document {
-    /// Whether the positions of a primitive have no bytes, so that they would all be zeros.
+    /// Whether the positions or indices of a primitive have no bytes, so that they would be zeros.
     fn is_bare(&self, primitive: &Primitive) -> bool {
-        let accessor = primitive.attributes.get(&Valid(Semantic::Positions));
-        let accessor = accessor.and_then(|accessor| self.root.get(*accessor));
-        accessor.is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none())
+        let positions = primitive.attributes.get(&Valid(Semantic::Positions)).copied();
+        let mut accessors = [positions, primitive.indices].into_iter().flatten();
+        let zeros = |a: &Accessor| a.buffer_view.is_none() && a.sparse.is_none();
+        accessors.any(|accessor| self.root.get(accessor).is_some_and(zeros))
     }
 
     /// Unpacks a primitive from a buffer view. Its accessors read the unpacked bytes from then on.

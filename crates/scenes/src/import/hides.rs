@@ -24,9 +24,10 @@ pub const OPAQUE: [&str; 10] = [
 ];
 const TRANSMISSION: &str = "KHR_materials_transmission";
 const VARIANTS: &str = "KHR_materials_variants";
-const VISIBILITY: &str = "KHR_node_visibility";
+pub(super) const VISIBILITY: &str = "KHR_node_visibility";
 const POINTER: &str = "KHR_animation_pointer";
 const LEVELS: &str = "MSFT_lod";
+const SPLATS: &str = "KHR_gaussian_splatting";
 
 /// What animations change beside the poses of nodes and the weights of their meshes.
 #[derive(Debug, Default)]
@@ -35,7 +36,9 @@ pub(super) struct Changes {
     /// Nodes that are shown and hidden.
     shown: BTreeSet<usize>,
     /// Nodes that are moved, or whose mesh is deformed, in a way that is not read.
-    pub(super) moved: BTreeSet<usize>,
+    moved: BTreeSet<usize>,
+    /// Meshes that are deformed so.
+    deformed: BTreeSet<usize>,
 }
 
 impl Changes {
@@ -62,6 +65,7 @@ impl Changes {
                 (Some("nodes"), Some("translation" | "rotation" | "scale" | "matrix" | "weights")) => {
                     changes.moved.insert(index)
                 }
+                (Some("meshes"), Some("weights")) => changes.deformed.insert(index),
                 _ => false,
             };
         }
@@ -100,14 +104,10 @@ impl Changes {
                 TRANSMISSION if !passes => {}
                 name if OPAQUE.contains(&name) => {}
                 name => {
-                    let place = format!(
-                        "material {} ({:?})",
-                        material.index().unwrap_or(0),
-                        material.name().unwrap_or("")
-                    );
+                    let (number, own) = (material.index().unwrap_or(0), material.name().unwrap_or(""));
                     if !name.starts_with("KHR_materials_") {
                         let what = format!("has {name}, which is not read: what it is on hides nothing");
-                        warnings.add(place, &what);
+                        warnings.add(format!("material {number} ({own:?})"), &what);
                     }
                     return Sides::Neither;
                 }
@@ -122,6 +122,30 @@ impl Changes {
         let changes = self.shown.contains(&node.index());
         (visible || changes).then(|| !changes && node.extension_value(LEVELS).is_none())
     }
+
+    /// Whether a node is moved, or its mesh deformed, in a way that is not read; its parents aside.
+    pub(super) fn moves(&self, node: &gltf::Node) -> bool {
+        // As KHR_physics_rigid_bodies and its like have it.
+        let by_physics = |value: &Value| value["motion"].is_object() && value["motion"]["type"] != "static";
+        self.moved.contains(&node.index())
+            || node.mesh().is_some_and(|mesh| self.deformed.contains(&mesh.index()))
+            || node.extensions().into_iter().flatten().any(|(_, value)| by_physics(value))
+    }
+}
+
+/// The nodes in whose place a node may be drawn, farther away; `None` stands for one that is not there.
+pub(super) fn levels_of<'a>(
+    document: &'a gltf::Document,
+    node: &gltf::Node,
+) -> impl Iterator<Item = Option<gltf::Node<'a>>> {
+    let ids = node.extension_value(LEVELS).and_then(|levels| levels["ids"].as_array());
+    let level = |id: &Value| document.nodes().nth(usize::try_from(id.as_u64()?).ok()?);
+    ids.into_iter().flatten().map(level)
+}
+
+/// Whether points of a mesh stand for more than points.
+pub(super) fn has_splats(mesh: &gltf::Mesh) -> bool {
+    mesh.primitives().any(|p| p.extension_value(SPLATS).is_some())
 }
 
 #[cfg(test)]
@@ -138,6 +162,7 @@ mod tests {
             "/nodes/3/extensions/KHR_node_visibility/visible",
             "/nodes/4/rotation",
             "/nodes/5/weights",
+            "/meshes/8/weights/0",
             "/materials/6/pbrMetallicRoughness/baseColorFactor",
             "/cameras/7/perspective/yfov",
             "/nodes/x/scale",
@@ -146,8 +171,8 @@ mod tests {
         let channels: Vec<Value> = pointers.iter().map(|p| channel(p)).collect();
         let json = serde_json::json!({ "animations": [{ "channels": channels }] }).to_string();
         let changes = Changes::of(format!("\u{feff}{json}").as_bytes());
-        let found = [&changes.shown, &changes.moved, &changes.materials];
-        assert_eq!(found, [&[3].into(), &[4, 5].into(), &[6].into()]);
+        let found = [&changes.shown, &changes.moved, &changes.materials, &changes.deformed];
+        assert_eq!(found, [&[3].into(), &[4, 5].into(), &[6].into(), &[8].into()]);
         assert!(Changes::of(b"no JSON, KHR_animation_pointer").moved.is_empty());
     }
 }

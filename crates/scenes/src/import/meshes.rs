@@ -9,7 +9,7 @@ use gltf::mesh::Mode;
 
 use super::accessors::{Buffers, Components, TOO_MUCH, unfit};
 use super::error::Trouble;
-use crate::world::Mesh;
+use crate::world::{Bounds, Mesh, around};
 
 /// Whether primitives of a mode are lines or points.
 pub(super) fn is_loose(mode: Mode) -> bool {
@@ -52,12 +52,14 @@ pub struct Meshes<'a> {
     /// What positions may be.
     components: Components,
     positions: HashMap<usize, Rc<Vec<Vec3>>>,
+    /// By accessor: the box around its positions.
+    boxes: HashMap<usize, Bounds>,
 }
 
 impl<'a> Meshes<'a> {
     /// A reader of the meshes of a file, whose positions are of these components.
     pub fn new(buffers: &'a Buffers, components: Components) -> Self {
-        Self { buffers, components, positions: HashMap::new() }
+        Self { buffers, components, positions: HashMap::new(), boxes: HashMap::new() }
     }
 
     /// Joins all that is drawn of a mesh, with the vertices that it uses, and says of which
@@ -107,13 +109,15 @@ impl<'a> Meshes<'a> {
                 _ => is_loose || corners.len() >= 3,
             };
             if !whole {
-                let corners = corners.len();
-                return Err(Trouble::Corners { mesh: mesh.index(), primitive: primitive.index(), corners });
+                let (n, mesh, corners) = (primitive.index(), mesh.index(), corners.len());
+                let what = format!("primitive {n} of mesh {mesh} has {corners} corners");
+                return Err(Trouble::Part(format!("{what}, which make no whole triangles")));
             }
             let add = |corners: [u32; 3]| {
                 let [a, b, c] = corners;
                 if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
-                    return Err(Trouble::Vertex { mesh: mesh.index(), vertex, vertices });
+                    let mesh = mesh.index();
+                    return Err(Trouble::Part(format!("mesh {mesh} names vertex {vertex} of {vertices}")));
                 }
                 // Strips go on elsewhere by triangles with two equal corners, which show nothing.
                 let is_part_of_strip = matches!(mode, Mode::TriangleStrip | Mode::TriangleFan);
@@ -129,8 +133,9 @@ impl<'a> Meshes<'a> {
                     )) {
                         Entry::Occupied(entry) => *entry.get(),
                         Entry::Vacant(entry) => {
-                            let new = u32::try_from(joined.positions.len())
-                                .map_err(|_| Trouble::TooManyVertices(mesh.index()))?;
+                            let many = |_| format!("mesh {} has too many vertices", mesh.index());
+                            let new = u32::try_from(joined.positions.len()).map_err(many);
+                            let new = new.map_err(Trouble::Part)?;
                             joined.positions.push(points[vertex as usize]);
                             each(primitive.index(), vertex);
                             *entry.insert(new)
@@ -146,11 +151,15 @@ impl<'a> Meshes<'a> {
         Ok((!joined.triangles.is_empty()).then_some((joined, primitives)))
     }
 
-    /// What a primitive adds to its positions at most, by a morph target.
-    pub(super) fn offsets(&self, accessor: &gltf::Accessor) -> Result<(Vec3, Vec3), Trouble> {
-        let offsets = self.buffers.floats(accessor, "morph targets", self.components)?;
-        let all = offsets.into_iter().map(Vec3::from_array);
-        Ok(all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), d| (lo.min(d), hi.max(d))))
+    /// The box around the positions of an accessor, or around what a morph target adds to some.
+    pub(super) fn around(&mut self, accessor: &gltf::Accessor) -> Result<Bounds, Trouble> {
+        if let Some(known) = self.boxes.get(&accessor.index()) {
+            return Ok(*known);
+        }
+        let all = self.buffers.floats(accessor, "positions or morph targets", self.components)?;
+        let bounds = around(all.into_iter().map(Vec3::from_array));
+        self.boxes.insert(accessor.index(), bounds);
+        Ok(bounds)
     }
 
     /// The positions of an accessor of a mesh.

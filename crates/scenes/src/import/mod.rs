@@ -58,12 +58,12 @@
 //! | points, lines | hide nothing |
 //! | `KHR_node_visibility` false | neither it nor what hangs from it is read |
 //! | `KHR_animation_pointer` to that, or to a material | what it may change hides nothing |
-//! | `KHR_animation_pointer` to the pose of a node or the weights of its mesh | it and what hangs from it is left out, with a warning: always draw it |
+//! | `KHR_animation_pointer` to the pose of a node or the weights of its mesh, and a motion by physics | it and what hangs from it is left out, with a warning: always draw it |
 //! | `EXT_mesh_gpu_instancing` | each instance hides as its mesh; one that mirrors by itself hides only if it is double sided, as programs differ in which side they draw |
 //! | a skin | hides nothing, and counts as one box around all poses of all frames, with a warning; always draw it beyond those |
 //! | morph targets with weights that are not 0, or animated | hides nothing, and counts as the box of all its weights, with a warning |
-//! | skins and morph targets without such a box: splines of weights, weights that are none, joints that are not in the scene | left out, with a warning: always draw it |
-//! | `MSFT_lod` | hides nothing: it may be drawn in another form |
+//! | skins and morph targets without such a box: splines of weights, weights that are none, joints that are not in the scene, instances of skins; `KHR_gaussian_splatting` | left out, with a warning: always draw it |
+//! | `MSFT_lod` | a node and its levels hide nothing, and the node counts as the box of all, with a warning; left out if they are more than still meshes in one place |
 //! | `extras.role` | "occludee" hides nothing; "occluder" and "both" hide as the table says |
 //! | a texture that is missing | counts as there: only its name is read |
 //!

@@ -83,14 +83,14 @@ pub struct Nodes(pub Vec<Node>);
 impl Nodes {
     /// Where a node is. Costs its depth.
     pub fn global(&self, node: usize, time: f32) -> DAffine3 {
-        let mut way: Vec<usize> = std::iter::successors(Some(node), |&n| self.0[n].parent).collect();
+        let mut way: Vec<usize> = self.way(node).collect();
         let root = way.pop().unwrap_or(node);
         way.iter().rev().fold(self.0[root].local(time), |at, &n| at * self.0[n].local(time))
     }
 
-    /// How many nodes a node hangs from, with itself.
-    pub fn depth(&self, node: usize) -> usize {
-        std::iter::successors(Some(node), |&n| self.0[n].parent).count()
+    /// A node, and those that it hangs from.
+    pub fn way(&self, node: usize) -> impl Iterator<Item = usize> {
+        std::iter::successors(Some(node), |&n| self.0[n].parent)
     }
 
     /// Where all nodes are at a time.
@@ -189,7 +189,7 @@ pub(super) fn unit(rotation: DQuat) -> Option<DQuat> {
 
 /// What is wrong with a node.
 pub fn wrong(node: &gltf::Node, why: impl Into<String>) -> Trouble {
-    Trouble::Node { node: node.index(), name: node.name().unwrap_or("").to_owned(), why: why.into() }
+    Trouble::Part(format!("{} {}", node_name(node), why.into()))
 }
 
 /// Whether the object of a node hides others, and whether it is tested. Extras belong to everyone:

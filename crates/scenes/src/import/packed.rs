@@ -8,7 +8,7 @@ use gltf::buffer::View;
 use serde_json::Value;
 
 use super::accessors::Buffers;
-use super::error::Trouble;
+use super::error::{Trouble, unread};
 
 /// The names of the extension: the old one, and the one since Khronos ratified it.
 pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
@@ -31,7 +31,7 @@ pub(super) fn unpack(
     let mut left = held.saturating_mul(FOR_A_BYTE).saturating_add(FREE);
     let mut spend = |buffer: usize, size: Option<usize>| {
         let rest = size.and_then(|size| left.checked_sub(size));
-        left = rest.ok_or_else(|| broken(buffer, "it unpacks to too much".to_owned()))?;
+        left = rest.ok_or_else(|| unread(buffer, "it unpacks to too much"))?;
         Ok::<_, Trouble>(())
     };
     let mut made: HashMap<usize, Vec<u8>> = HashMap::new();
@@ -46,7 +46,7 @@ pub(super) fn unpack(
         let number = |name: &str| said[name].as_u64().and_then(|n| usize::try_from(n).ok());
         let (count, stride) = (number("count").unwrap_or(0), number("byteStride").unwrap_or(0));
         spend(index, count.checked_mul(stride))?;
-        let fail = || broken(index, format!("what buffer view {} packs is damaged", view.index()));
+        let fail = || unread(index, &format!("what buffer view {} packs is damaged", view.index()));
         let from = number("byteOffset").unwrap_or(0);
         let end = number("byteLength").and_then(|length| from.checked_add(length)).unwrap_or(usize::MAX);
         let source = number("buffer").and_then(|source| buffers.get(source)?.as_ref()?.get(from..end));
@@ -58,8 +58,4 @@ pub(super) fn unpack(
     let all = buffers.into_iter().enumerate();
     let all = all.map(|(i, held)| held.unwrap_or_else(|| Rc::new(made.remove(&i).unwrap_or_default())));
     Ok(Buffers::new(all.collect(), size))
-}
-
-fn broken(buffer: usize, why: String) -> Trouble {
-    Trouble::Buffer { buffer, why }
 }

@@ -11,7 +11,9 @@ use super::error::Trouble;
 use super::nodes::Nodes;
 use super::warnings::{Warnings, node_name};
 use crate::numeric::{NEAR_PLANES, NEAR_SHARE};
-use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
+use crate::world::{
+    Animation, Bounds, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, around, box_corners,
+};
 
 /// What the motion of a file may cost, in points that are transformed; the evaluation of a node
 /// counts as [`STEPS_OF_A_NODE`]. That is half a second at most.
@@ -127,16 +129,9 @@ pub(super) fn time_of(frame: usize) -> f32 {
 }
 
 /// The box of transformed points; `None` if one of them is not finite.
-fn bounds_of(points: &[Vec3], transform: &Affine3A) -> Option<(Vec3, Vec3)> {
-    let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for &position in points {
-        let p = transform.transform_point3(position);
-        if !p.is_finite() {
-            return None;
-        }
-        bounds = (bounds.0.min(p), bounds.1.max(p));
-    }
-    Some(bounds)
+fn bounds_of(points: &[Vec3], transform: &Affine3A) -> Option<Bounds> {
+    let bounds = around(points.iter().map(|&p| transform.transform_point3(p)));
+    Some(bounds).filter(|(low, high)| low.is_finite() && high.is_finite())
 }
 
 /// The boxes of meshes that objects share, each found once.
@@ -206,10 +201,8 @@ impl FilePath {
     ) -> Self {
         let mut needed = vec![false; nodes.0.len()];
         for moving in &moving {
-            let mut at = Some(moving.node);
-            while let Some(node) = at.filter(|&node| !std::mem::replace(&mut needed[node], true)) {
-                at = nodes.0[node].parent;
-            }
+            let new = nodes.way(moving.node).take_while(|&node| !std::mem::replace(&mut needed[node], true));
+            new.for_each(drop);
         }
         let mut place = vec![0; nodes.0.len()];
         let mut links = Vec::new();
@@ -248,12 +241,7 @@ impl FilePath {
             // Objects of a node follow each other.
             if let Some(way) = ways.last_mut().filter(|way| together && way.link == link) {
                 let corners = own.map(|corner| place.transform_point3(corner.as_dvec3()).as_vec3());
-                let (min, max) = corners
-                    .iter()
-                    .chain(&way.corners)
-                    .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &corner| {
-                        (min.min(corner), max.max(corner))
-                    });
+                let (min, max) = around(corners.into_iter().chain(way.corners));
                 way.corners = box_corners(min, max);
                 way.objects.push(i);
                 continue;
@@ -298,7 +286,7 @@ impl FilePath {
                 Shape::Sphere { .. } => {}
             }
         }
-        let depth = self.camera.as_ref().map_or(0, |camera| self.nodes.depth(camera.node));
+        let depth = self.camera.as_ref().map_or(0, |camera| self.nodes.way(camera.node).count());
         let nodes = (self.links.len() + depth).saturating_mul(STEPS_OF_A_NODE);
         let step = sum(&mut self.moving.iter().map(|moving| points(&moving.mesh))).saturating_add(nodes);
         let together = step.saturating_mul(self.frames) > most;

@@ -167,7 +167,7 @@ impl File {
             names.map(String::as_str).find(|name| !OPAQUE.contains(name))
         };
         let alpha = material["alphaMode"].as_str().filter(|mode| *mode != "OPAQUE");
-        if primitive.is_null() {
+        if primitive.is_null() && node["extensions"]["MSFT_lod"].is_null() {
             return "a skin or morph targets: it counts as the box of all its poses".to_owned();
         }
         if primitive["mode"].as_u64().is_some_and(|mode| mode < 4) {

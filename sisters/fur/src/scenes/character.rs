@@ -104,9 +104,9 @@ fn bald_materials(coated: &Coated, names: &[String]) -> Result<Vec<u32>, Trouble
         let before = found.len();
         found.extend(of_name.map(|(number, _)| number));
         if found.len() == before {
-            let mut known: Vec<&str> = coated.names.iter().map(String::as_str).collect();
-            known.retain(|name| !name.is_empty());
-            return Err(Trouble::Material { name: name.clone(), known: known.join(", ") });
+            let known = coated.names.iter().map(String::as_str).filter(|name| !name.is_empty());
+            let known = known.collect::<Vec<_>>().join(", ");
+            return Err(Trouble::Part(format!("has no material {name:?}; there are: {known}")));
         }
     }
     Ok(found)

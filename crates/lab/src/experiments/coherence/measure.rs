@@ -188,7 +188,7 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
         let camera = world.camera(number, ASPECT);
         let view: View = view_of(&camera)?;
         judge.note(&moved);
-        let counts = options.since_jump(number) >= SETTLE;
+        let counts = number % options.frames.max(1) >= SETTLE;
         let count = entries.len();
         // Each frame starts with another way, so that none is always the one after the judgement.
         for turn in 0..count {

@@ -86,7 +86,8 @@ fn quantized_positions_need_their_extension() {
 #[test]
 fn required_extensions_are_understood_or_named() {
     let with = |names: &str| triangle().read(&format!(r#""extensionsRequired":[{names}],{ONE}"#));
-    let known = r#""KHR_materials_unlit","KHR_texture_transform","EXT_meshopt_compression""#;
+    let known =
+        r#""KHR_materials_unlit","KHR_texture_transform","EXT_meshopt_compression","KHR_node_visibility""#;
     assert!(with(known).is_ok());
     let unknown = r#""KHR_materials_ior","VENDOR_floors","VENDOR_walls""#;
     let told = told(with(unknown));

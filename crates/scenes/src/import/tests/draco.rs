@@ -80,6 +80,10 @@ fn the_plain_form_is_read_unless_draco_is_required() {
     let plain = parts.read(&mesh(ROUND)).unwrap();
     assert_eq!(triangles(&plain, 0), [[Vec3::ZERO, Vec3::X, Vec3::Y]]);
     assert!(plain.source.warnings[0].starts_with("primitive 0 of mesh 0: is there twice, plain and packed"));
+    // A form without corners is none.
+    let mut cut = parts.clone();
+    cut.accessors[1] = torus().accessors[1].replace(r#""count":1"#, r#""count":3"#);
+    assert_eq!(triangles(&cut.read(&mesh(ROUND)).unwrap(), 0).len(), 192);
     let unpacked = parts.read(&required(ROUND)).unwrap();
     assert_eq!((triangles(&unpacked, 0).len(), unpacked.source.warnings.len()), (192, 0));
 }

@@ -58,10 +58,7 @@ fn buffers_come_from_data_uris() {
     says(with("data:;base64"), &["no comma"]);
     says(with(&format!("data:;base64,{}", &data[1..])), &["base64"]);
     says(with(&format!("data:;base64,!{}", &data[1..])), &["base64"]);
-    assert!(matches!(
-        with(&format!("data:;base64,{}", &data[4..])),
-        Err(Trouble::ShortBuffer { held: 33, .. })
-    ));
+    says(with(&format!("data:;base64,{}", &data[4..])), &["buffer 0 has 33 bytes"]);
     says(read("bin", parts.json(ONE, "").as_bytes(), None), &["no binary chunk"]);
     let two = parts.json(ONE, "").replace("}],\"nodes\"", "},{\"byteLength\":4}],\"nodes\"");
     says(read("two", &glb(&two, &parts.bin), None), &["buffer 1", "no URI"]);
@@ -110,7 +107,7 @@ fn buffers_come_from_files_by_relative_uris_only() {
     ] {
         says(with(&uri), &["buffer 0", &uri, why]);
     }
-    assert!(matches!(with("short.bin"), Err(Trouble::ShortBuffer { held: 35, needed: 36, .. })));
+    says(with("short.bin"), &["has 35 bytes, but 36 are needed"]);
     says(read("nowhere", json("a%20b.bin").as_bytes(), None), &["no folder"]);
     std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -46,27 +46,75 @@ fn deformed_meshes_count_as_their_boxes_and_hide_nothing() {
     drive(world);
 }
 
+/// Two nodes with a mesh each, and one without; what is said of the second, of its mesh behind its
+/// attributes, and of the rest.
+fn two(said: &str, mesh: &str, rest: &str) -> String {
+    let mesh = format!(r#"{{"primitives":[{{"attributes":{{"POSITION":0{mesh}}}]}}"#);
+    let first = r#"{"primitives":[{"attributes":{"POSITION":0}}]}"#;
+    format!(r#""nodes":[{{"mesh":0}},{{"mesh":1,"name":"body"{said}}},{{}}],"meshes":[{first},{mesh}]{rest}"#)
+}
+
 #[test]
 fn what_has_no_bounds_is_left_out_with_a_word_and_the_rest_is_read() {
     let mut parts = timed();
     parts.floats("SCALAR", &[0.0; 12]);
-    let targets = r#""POSITION":0},"targets":[{"POSITION":0}]}"#;
-    let splines = moved(&format!("[{}]", animated(1, "weights", 2, "CUBICSPLINE")))
-        .replace(r#""POSITION":0}}"#, targets)
-        .replace(r#""nodes":["#, r#""nodes":[{"mesh":1},"#)
-        .replace(r#""children":[1]"#, r#""children":[2]"#)
-        .replace(r#""node":1"#, r#""node":2"#)
-        .replace(r#""meshes":["#, r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},"#)
-        .replace(r#""mesh":0,"name":"leaf""#, r#""mesh":1,"name":"leaf""#)
-        .replacen(r#"{"mesh":1},"#, r#"{"mesh":0},"#, 1);
-    let skinned = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0},{"mesh":0,"name":"body","skin":0}"#);
-    let skinned = format!(r#"{skinned},"skins":[{{"joints":[0]}}]"#);
-    for (rest, name) in [(splines, "node 2 (\"leaf\")"), (skinned, "node 1 (\"body\")")] {
-        let world = parts.read(&rest).unwrap();
-        assert!(world.objects.len() == 1 && world.objects[0].occludes);
-        let [told] = &world.source.warnings[..] else { panic!("{:?}", world.source.warnings) };
-        assert!(told.starts_with(name) && told.contains("always draw it"), "{told}");
+    parts.dense(5121, "VEC4", &[0; 12], "");
+    parts.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+    parts.floats("VEC3", &[-5.0, 0.0, 0.0, f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    // A turn that goes through none, as all of it is taken back.
+    let key = |w: f32| [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, w, 0.0, 0.0, 0.0, 0.0];
+    parts.floats("VEC4", &[key(1.0), key(1.0), key(1.0), key(-1.0)].concat());
+    let target =
+        r#"{"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/meshes/1/weights"}}}"#;
+    let pointer = format!(r#"{{"channels":[{{"sampler":0,"target":{target}}}]}}"#);
+    let moved = |clip: &str| format!(r#","animations":[{clip}]"#);
+    let morphed = |clip: &str| two("", r#"},"targets":[{"POSITION":0}]"#, &moved(clip));
+    let extended = |what: &str| two(&format!(r#","extensions":{{{what}}}"#), "}", "");
+    let body = |motion: &str| extended(&format!(r#""KHR_physics_rigid_bodies":{{"motion":{motion}}}"#));
+    let skinned = |said: &str, mesh: &str, rest: &str| {
+        two(&format!(r#","skin":0{said}"#), mesh, &format!(r#","skins":[{{"joints":[2]}}]{rest}"#))
+    };
+    let crowd = |name: &str| {
+        let placed = format!(r#","extensions":{{"{name}":{{"attributes":{{"TRANSLATION":0}}}}}}"#);
+        skinned(&placed, r#","JOINTS_0":3,"WEIGHTS_0":4}"#, "")
+    };
+    for kept in [body(r#"{"type":"static"}"#), crowd("OTHER"), extended(r#""MSFT_lod":{"ids":[0]}"#)] {
+        assert_eq!(parts.read(&kept).unwrap().objects.len(), 2, "{kept}");
     }
+    for left in [
+        skinned("", "}", ""),
+        skinned("", r#","JOINTS_0":3,"WEIGHTS_0":4}"#, &moved(&animated(2, "rotation", 6, "CUBICSPLINE"))),
+        crowd("EXT_mesh_gpu_instancing"),
+        morphed(&animated(1, "weights", 2, "CUBICSPLINE")),
+        morphed(&pointer),
+        two("", r#"},"targets":[{"POSITION":5}]"#, "").replace(r#""body""#, r#""body","weights":[1]"#),
+        body("{}"),
+        extended(r#""MSFT_lod":{"ids":[0,7]}"#),
+        extended(r#""MSFT_lod":{"ids":[0]}},"translation":[0,0,1],"extras":{"#),
+        two("", r#"},"mode":0,"extensions":{"KHR_gaussian_splatting":{}}"#, ""),
+    ] {
+        let world = parts.read(&left).unwrap_or_else(|why| panic!("{left}: {why}"));
+        assert_eq!(world.objects.len(), 1, "{left}");
+        let [told] = &world.source.warnings[..] else { panic!("{:?}", world.source.warnings) };
+        assert!(told.starts_with("node 1 (\"body\")") && told.contains("always draw it"), "{told}");
+    }
+}
+
+#[test]
+fn levels_of_detail_hide_nothing_and_count_as_one_box() {
+    let mut parts = triangle();
+    parts.floats("VEC3", &SQUARE.map(|c| 3.0 * c - 1.0));
+    let levels = r#""nodes":[{"mesh":0,"extensions":{"MSFT_lod":{"ids":[1]}}},{"mesh":1},{"mesh":1}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},{"primitives":[{"attributes":{"POSITION":1},"mode":5}]}]"#;
+    let found = |scenes: &str| {
+        let world = drive(parts.read(&format!("{levels}{scenes}")).unwrap());
+        assert!(world.source.warnings[0].starts_with("node 0") && world.source.warnings.len() == 1);
+        assert_eq!(world.objects[0].shape.bounds(), (Vec3::NEG_ONE, Vec3::new(2.0, 2.0, 0.0)));
+        world.objects.iter().map(|o| o.occludes).collect::<Vec<_>>()
+    };
+    // Where there are no scenes, all are shown.
+    assert_eq!(found(""), [false, false, true]);
+    assert_eq!(found(r#","scenes":[{"nodes":[0,2]}]"#), [false, true]);
 }
 
 #[test]

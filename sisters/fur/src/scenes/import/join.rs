@@ -80,7 +80,7 @@ impl<'a> Join<'a> {
         let Some((part, primitives)) = self.reader.parted(mesh, each)? else { return Ok(()) };
         // Nodes may show one mesh often.
         if !self.buffers.spend(part.positions.len() + part.triangles.len()) {
-            return Err(Trouble::TooManyVertices(mesh.index()));
+            return Err(Trouble::Part(format!("mesh {} has too many vertices", mesh.index())));
         }
         let used: HashSet<usize> = sources.iter().map(|source| source.0).collect();
         for primitive in mesh.primitives() {

@@ -14,7 +14,7 @@ use casca_scenes::import::parts::{AFFINE, Buffers, Components, Keys, Nodes, Trac
 
 /// What the reader says of fur that is refused.
 pub(in crate::scenes) fn refused(error: crate::Error) -> Trouble {
-    Trouble::Skin(Box::new(error))
+    Trouble::Part(format!("has fur or a skin that is refused: {error}"))
 }
 
 /// The joints that a vertex of a primitive follows, and their shares.
