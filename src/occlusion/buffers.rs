@@ -254,6 +254,25 @@ impl OcclusionBuffers {
         self.faces.get(side_through(point)).is_some_and(shows)
     }
 
+    /// Notes around which directions nothing was drawn so far. Costs the tiles.
+    pub(crate) fn note_untouched(&mut self) {
+        self.faces.iter_mut().filter(|face| face.is_active()).for_each(FaceBuffer::note_untouched);
+    }
+
+    /// Whether nothing was drawn around the directions to a box in world units when that was noted: it
+    /// lies before all occluders.
+    pub(crate) fn is_untouched(&self, block: &Block) -> bool {
+        let relative = self.relative(block);
+        !self.is_close(&relative) && self.faces().all(|b| b.is_untouched(&relative))
+    }
+
+    /// Whether that holds for a point, relative to the eye. No point along parallel rays is found so.
+    #[inline]
+    pub(crate) fn is_untouched_at(&self, point: DVec3) -> bool {
+        let is_untouched = |b: &FaceBuffer| b.is_active() && b.is_untouched_at(b.face().local(point));
+        self.direction.is_none() && self.faces.get(side_through(point)).is_some_and(is_untouched)
+    }
+
     /// Whether the buffers say nothing about a box: it reaches so close to the eye that directions
     /// to it are not told apart, or, along parallel rays, beyond the plane around the scene.
     pub(crate) fn is_close(&self, block: &Block) -> bool {
@@ -290,43 +309,25 @@ mod tests {
         Pitch { pixels, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO }
     }
 
-    /// Where a ray from the origin enters a box, as a share of `d`.
-    fn enters(b: &Block, d: DVec3) -> Option<f64> {
-        let (mut t0, mut t1) = (0.0f64, f64::INFINITY);
-        for i in 0..3 {
-            let (x, y) = (b.min[i] / d[i], b.max[i] / d[i]);
-            (t0, t1) = (t0.max(x.min(y)), t1.min(x.max(y)));
-        }
-        (t0 <= t1).then_some(t0)
-    }
-
     #[test]
-    fn a_box_hides_only_what_rays_find_behind_it() {
-        let mut random = Random::new(3);
-        let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
-        let mut buffers = OcclusionBuffers::default();
-        let mut hidden = 0;
-        for _ in 0..400 {
-            let boxed = |random: &mut Random, size: f64| {
-                let (c, h) = (random.point(20.0), random.point(size).abs() + 0.01);
-                Block { min: c - h, max: c + h }
-            };
-            buffers.begin(&view, &pitch(128.0));
-            let occluder = boxed(&mut random, 8.0);
-            let Some(_) = buffers.draw_body(&Body::Block(occluder), Slot::new(0)) else { continue };
-            for _ in 0..50 {
-                let b = boxed(&mut random, 1.0);
-                if buffers.test(&Target::block(b, None), &mut FaceTarget::default()) != Verdict::Hidden {
-                    continue;
-                }
-                hidden += 1;
-                for _ in 0..20 {
-                    let t = DVec3::new(random.next(), random.next(), random.next());
-                    let d = b.min + t * (b.max - b.min);
-                    assert!(enters(&occluder, d).is_some_and(|t| t < 1.0), "{occluder:?} {b:?} {d}");
-                }
-            }
+    fn before_all_that_was_drawn_lies_what_is_shown() {
+        let (mut random, mut buffers) = (Random::new(5), OcclusionBuffers::default());
+        buffers.begin(&View::omnidirectional(glam::Vec3::ZERO).unwrap(), &pitch(128.0));
+        let wall = Block { min: DVec3::new(3.0, -4.0, -1.5), max: DVec3::new(4.0, 1.0, 2.0) };
+        buffers.draw_body(&Body::Block(wall), Slot::new(0)).unwrap();
+        buffers.note_untouched();
+        let mut found = [0; 3];
+        for _ in 0..20_000 {
+            let (p, half) = (random.point(20.0), random.point(2.0).abs());
+            let (of_box, at) =
+                (buffers.is_untouched(&Block { min: p - half, max: p + half }), buffers.is_untouched_at(p));
+            let shown = buffers.shows(p, Slot::new(1));
+            assert!(shown || !at && !of_box, "{p} {half}");
+            found = [found[0] + u32::from(of_box), found[1] + u32::from(at), found[2] + u32::from(shown)];
         }
-        assert!(hidden > 100, "{hidden}");
+        assert!(
+            found[0] > 12_000 && found[1] > 15_000 && (found[1]..19_900).contains(&found[2]),
+            "{found:?}"
+        );
     }
 }

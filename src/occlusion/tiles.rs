@@ -26,6 +26,12 @@ pub(crate) struct Tile {
 impl Tile {
     pub(crate) const EMPTY: Self = Self { near: [NONE; LAYERS], mask: [0; LAYERS] };
 
+    /// Whether nothing was drawn in it: what lies outside of the frustum is covered as by something
+    /// at the eye.
+    pub(crate) fn is_untouched(&self) -> bool {
+        self.near.iter().all(|&near| near == NONE || near == f32::INFINITY)
+    }
+
     /// The pixels in which a target that is nowhere nearer than `near` is hidden.
     #[inline]
     pub(crate) fn hidden(&self, near: f32) -> u64 {

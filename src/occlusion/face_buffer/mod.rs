@@ -77,6 +77,8 @@ pub(crate) struct FaceBuffer {
     /// Memory for the rows of one shape.
     rows: ShapeRows,
     received: Vec<Received>,
+    /// For each tile, whether nothing was drawn into it when that was last noted.
+    untouched: Vec<bool>,
 }
 
 impl FaceBuffer {
@@ -93,6 +95,7 @@ impl FaceBuffer {
             drawn_count: 0,
             rows: ShapeRows::default(),
             received: Vec::new(),
+            untouched: Vec::new(),
         }
     }
 

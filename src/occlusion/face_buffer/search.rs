@@ -3,6 +3,7 @@
 use casca_slots::Slot;
 use glam::DVec3;
 
+use crate::geometry::Block;
 use crate::numeric::occlusion::below;
 use crate::occlusion::bins::BIN;
 use crate::occlusion::coverage::Shades;
@@ -70,6 +71,39 @@ impl FaceBuffer {
         let (x0, y0) = (first(x, tx), first(y, ty));
         let bin = PixelRect { x: (x0, x0 + size), y: (y0, y0 + size) };
         self.patches.any_around(x, y, |p| p.pixels.overlaps(&bin))
+    }
+
+    /// Notes into which tiles nothing was drawn, nor is listed there. Costs the tiles.
+    pub(crate) fn note_untouched(&mut self) {
+        let ((x0, y0), (nx, ny)) = (self.window.first_tile(), self.window.tile_count());
+        let mut untouched = std::mem::take(&mut self.untouched);
+        untouched.clear();
+        untouched.extend((0..nx * ny).map(|at| {
+            let first = ((x0 + at % nx) * TILE, (y0 + at / nx) * TILE);
+            self.coverage.tile(at as usize).is_untouched()
+                && self.occluders.len(self.occluders.index(first.0, first.1)) == 0
+                && !self.has_patches(first)
+        }));
+        self.untouched = untouched;
+    }
+
+    /// Whether nothing was drawn into the tiles of the rectangle around a box when that was noted.
+    pub(crate) fn is_untouched(&self, block: &Block) -> bool {
+        let Some((rect, _)) = self.face.block(block) else { return true };
+        let pixels = self.window.touched_by(&rect);
+        pixels.is_empty() || {
+            let ((x0, x1), (y0, y1)) = (pixels.tiles_x(), pixels.tiles_y());
+            let row = |y: i64| self.window.tile_index(x0, y)..=self.window.tile_index(x1, y);
+            (y0..=y1).all(|y| self.untouched[row(y)].iter().all(|&untouched| untouched))
+        }
+    }
+
+    /// Whether nothing was drawn into the tile of a point, in coordinates of the face, when that was
+    /// noted.
+    #[inline]
+    pub(crate) fn is_untouched_at(&self, p: DVec3) -> bool {
+        let pixel = self.window.pixel_at(p.x / p.z, p.y / p.z);
+        pixel.is_some_and(|(x, y)| self.untouched[self.window.tile_index(x / TILE, y / TILE)])
     }
 
     /// Whether a point, in coordinates of the face, lies in an open pixel, inside the frustum, before
@@ -144,7 +178,6 @@ pub(crate) fn search_tile(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Block;
     use crate::geometry::Room;
     use crate::geometry::body::Body;
     use crate::occlusion::face::Face;

@@ -4,6 +4,7 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
+use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::query::marks::Marks;
 use crate::query::point::decide::Candidate;
@@ -28,6 +29,8 @@ pub(super) struct FoundObjects {
     order: Vec<u128>,
     /// Objects found visible so far.
     pub(super) candidates: Vec<Candidate>,
+    /// Small moving objects before all that was drawn, which need no test.
+    pub(super) in_the_open: Vec<ObjectId>,
 }
 
 /// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
@@ -49,6 +52,7 @@ impl<'a> ObjectFinder<'a> {
     ) -> Self {
         marks.begin(drawing.run.scene.slot_count());
         found.candidates.clear();
+        found.in_the_open.clear();
         Self { drawing, pvs, marks, found }
     }
 

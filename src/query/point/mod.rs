@@ -130,6 +130,7 @@ fn decide(finder: ObjectFinder, second: &mut SecondTest) {
     let Run { scene, coherent, .. } = drawing.run;
     second.decide(&mut drawing, &found.candidates);
     second.seen(&found.candidates).for_each(|candidate| pvs.push(scene.id(candidate.slot)));
+    found.in_the_open.iter().for_each(|&id| pvs.push(id));
     if coherent {
         drawing.remember(&pvs.visible, &second.used);
     }

@@ -12,6 +12,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
+use crate::id::ObjectId;
 use crate::numeric::query::SINGLE_FRUSTUM;
 use crate::query::point::decide::Candidate;
 use crate::query::point::finder::ObjectFinder;
@@ -29,6 +30,7 @@ pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>
     if fixed_only || view.layers() == 0 || zones.is_empty() {
         return;
     }
+    finder.drawing.buffers_mut().note_untouched();
     let planes = Planes::new(view, scene.extent());
     order.clear();
     for (index, zone) in zones.iter().enumerate() {
@@ -51,16 +53,23 @@ pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>
         if coherent || view.eye().is_some_and(|eye| around.contains_point(eye)) {
             zone.plain().iter().for_each(|id| finder.find(id.slot()));
         } else {
-            test_boxes(finder, zone, side, &planes);
+            let is_open = is_worth && finder.drawing.buffers().is_untouched(room);
+            test_boxes(finder, zone, (side, is_open), &planes);
         }
     }
     finder.settle();
 }
 
 /// Lists the objects of a zone whose boxes may be in sight of the view.
-fn test_boxes(finder: &mut ObjectFinder, zone: &Zone, zone_side: BoxSide, planes: &Planes) {
+fn test_boxes(
+    finder: &mut ObjectFinder,
+    zone: &Zone,
+    (zone_side, is_open): (BoxSide, bool),
+    planes: &Planes,
+) {
     let Run { scene, view, .. } = finder.drawing.run;
-    let mut tested = 0;
+    let (buffers, mut tested) = (finder.drawing.buffers(), 0);
+    let origin = buffers.origin();
     // Those that are overdue were found as such.
     let any_overdue = scene.any_overdue();
     for &id in zone.plain() {
@@ -76,6 +85,10 @@ fn test_boxes(finder: &mut ObjectFinder, zone: &Zone, zone_side: BoxSide, planes
             continue;
         }
         tested += 1;
+        if is_open || buffers.is_untouched_at(middle.as_dvec3() - origin) {
+            finder.found.in_the_open.push(ObjectId(id));
+            continue;
+        }
         let (slot, block) = (id.slot(), Some(own.block()));
         let candidate = Candidate { slot, block, is_centered: true, occludes: false };
         finder.found.candidates.push(candidate);
