@@ -12,7 +12,8 @@ const own = (object, name, kind) => object[name] !== kind.prototype[name];
 
 // What runs while the scene is drawn may clear depths, so that what is behind shows. Batches only sort.
 const runs = (object) =>
-  own(object, "onAfterRender", Object3D) || own(object, "onBeforeRender", object.isBatchedMesh ? BatchedMesh : Object3D);
+  own(object, "onAfterRender", Object3D) || own(object, "onBeforeRender", object.isBatchedMesh ? BatchedMesh : Object3D) ||
+  [object.material].flat().some((m) => m && own(m, "onBeforeRender", Material));
 
 function kindOfMaterial(m) {
   // Vertices that move, and what is drawn, or counts in the stencil, in spite of what is before it.
@@ -25,6 +26,21 @@ function kindOfMaterial(m) {
   return !opaque ? HIDDEN : m.side === DoubleSide ? BOTH : FRONT;
 }
 
+// Up to where groups draw the triangles of a geometry without a gap. One without a material draws nothing, and two may
+// draw the same.
+function drawnByGroups(groups, materials) {
+  const drawn = groups.filter(({ start, materialIndex }) => start % 3 === 0 && materials[materialIndex]);
+  const ends = (end, { start, count }) => (start <= end ? Math.max(end, start + Math.floor(count / 3) * 3) : end);
+  return drawn.sort((a, b) => a.start - b.start).reduce(ends, 0);
+}
+
+// Whether a camera exchanges left and right, so that back sides are drawn.
+function exchanges({ projectionMatrix: { elements: p }, matrixWorldInverse, isPerspectiveCamera }) {
+  const row = (i) => new Vector3(p[i], p[4 + i], p[8 + i]);
+  const ahead = isPerspectiveCamera ? row(3) : new Vector3(0, 0, -1);
+  return !(row(0).cross(row(1)).dot(ahead) * matrixWorldInverse.determinant() < 0);
+}
+
 function kindOf(mesh) {
   const { geometry, material } = mesh;
   const moves = mesh.isSkinnedMesh || mesh.isInstancedMesh || mesh.isBatchedMesh || geometry.isInstancedBufferGeometry;
@@ -33,7 +49,7 @@ function kindOf(mesh) {
     ? ALONE
     : Math.min(...materials.map(kindOfMaterial));
   const count = (geometry.index ?? geometry.attributes.position)?.count;
-  const drawn = Array.isArray(material) ? geometry.groups.reduce((sum, group) => sum + group.count, 0) : count;
+  const drawn = Array.isArray(material) ? drawnByGroups(geometry.groups, material) : count;
   const whole = geometry.drawRange.start === 0 && geometry.drawRange.count >= count && drawn >= count;
   const mirrored = mesh.matrixWorld.determinant() <= 0;
   if (!whole || (kind === FRONT && mirrored)) kind = Math.min(kind, HIDDEN);
@@ -113,7 +129,7 @@ export class CascaCuller {
     this.hidden = 0;
     const { renderer } = this;
     const plain = (camera.isPerspectiveCamera || camera.isOrthographicCamera) && !camera.isArrayCamera;
-    if (!plain || renderer.clippingPlanes.length || renderer.xr?.isPresenting || scene.overrideMaterial) return;
+    if (!plain || exchanges(camera) || renderer.clippingPlanes.length || renderer.xr?.isPresenting || scene.overrideMaterial) return;
     // Without depths, what is behind may be drawn last.
     const target = renderer.getRenderTarget();
     if (target ? !target.depthBuffer : !renderer.getContextAttributes().depth) return;
@@ -167,7 +183,9 @@ export class CascaCuller {
     const { geometry, layers: { mask }, matrixWorld: { elements } } = mesh;
     let shape = this.#shapes.get(geometry);
     const stamp = Shape.stamp(geometry);
-    let kind = geometry.attributes.position ? kindOf(mesh) : ALONE;
+    // Some positions only the graphics processor has; of two numbers, it takes 0 for the third.
+    const { position } = geometry.attributes;
+    let kind = position?.getZ && position.itemSize > 2 ? kindOf(mesh) : ALONE;
     if (kind !== ALONE && !shape?.stamp.every((part, i) => part === stamp[i])) {
       shape = new Shape(geometry);
       this.#shapes.set(geometry, shape);

@@ -38,14 +38,6 @@ struct Walker(f32);
 #[derive(Resource, Default)]
 struct Marks(Vec<Instant>);
 
-/// Who culls.
-#[derive(Clone, Copy, PartialEq)]
-enum Culls {
-    Bevy,
-    Off,
-    Casca,
-}
-
 /// What there is besides things that stand still.
 #[derive(Clone, Copy)]
 struct Scene {
@@ -82,7 +74,7 @@ fn main() {
 /// Camera and lights.
 fn light(world: &mut World, scene: &Scene) {
     let lens = PerspectiveProjection { aspect_ratio: 16.0 / 9.0, far: 1e4, ..Default::default() };
-    world.spawn((Camera3d::default(), Projection::Perspective(lens), street(0)));
+    world.spawn((Camera3d::default(), Projection::Perspective(lens), layout::street(0.0)));
     let sun = DirectionalLight { shadow_maps_enabled: scene.sun, ..Default::default() };
     let down = Transform::default().looking_to(Vec3::new(0.3, -1.0, -0.5), Vec3::Y);
     world.spawn((sun, CascadeShadowConfigBuilder::default().build(), down));
@@ -93,19 +85,13 @@ fn light(world: &mut World, scene: &Scene) {
     }
 }
 
-/// Where the camera is.
-fn street(frame: usize) -> Transform {
-    layout::street(frame as f32 / FRAMES as f32)
-}
-
-/// A city, and the times of the frames in which it came.
-fn city(size: usize, scene: &Scene, culls: Culls) -> (App, Vec<f64>) {
+/// A city, with casca that is on or off or without it, and the times of the frames in which it came.
+fn city(size: usize, scene: &Scene, casca: Option<bool>) -> (App, Vec<f64>) {
     let mut app = App::new();
     app.add_plugins((TaskPoolPlugin::default(), TransformPlugin, AssetPlugin::default(), MeshPlugin));
     app.init_asset::<bevy_image::Image>().add_plugins((CameraPlugin, LightPlugin));
-    if culls != Culls::Bevy {
-        app.add_plugins(CascaPlugin);
-        app.insert_resource(CascaSettings { enabled: culls == Culls::Casca, ..Default::default() });
+    if let Some(enabled) = casca {
+        app.add_plugins(CascaPlugin).insert_resource(CascaSettings { enabled, ..Default::default() });
     }
     let mark = |mut marks: ResMut<Marks>| marks.0.push(Instant::now());
     let first = (VisibilitySystems::CalculateBounds, VisibilitySystems::UpdateFrusta);
@@ -139,7 +125,9 @@ fn city(size: usize, scene: &Scene, culls: Culls) -> (App, Vec<f64>) {
         app.update();
         times.push(frame.elapsed().as_secs_f64() * 1e3);
         // All entities are known, all meshes are prepared, and bounds have been computed.
-        let is_ready = times.len() >= 4 && (culls != Culls::Casca || is_ready(&app, boxes.len()));
+        let known = app.world().get_resource::<CascaScene>().filter(|_| casca == Some(true));
+        let is_there = |it: &CascaScene| it.scene().is_some_and(|scene| scene.len() >= boxes.len());
+        let is_ready = times.len() >= 4 && known.is_none_or(|it| is_there(it) && !it.is_preparing());
         if come.is_none() && is_ready || start.elapsed().as_secs() > 60 {
             break;
         }
@@ -157,7 +145,7 @@ fn run(app: &mut App, scene: &Scene, frame: usize) -> f64 {
         at.translation += Vec3::new(angle.cos(), 0.0, angle.sin()) * 0.03;
     }
     let mut camera = world.query_filtered::<&mut Transform, With<Camera3d>>();
-    camera.iter_mut(world).for_each(|mut at| *at = street(frame));
+    camera.iter_mut(world).for_each(|mut at| *at = layout::street(frame as f32 / FRAMES as f32));
     app.update();
     let marks = std::mem::take(&mut app.world_mut().resource_mut::<Marks>().0);
     marks.chunks(2).map(|part| (part[1] - part[0]).as_secs_f64() * 1e3).sum()
@@ -180,8 +168,8 @@ fn counts(app: &mut App) -> [usize; 3] {
 }
 
 fn measure(size: usize, scene: &Scene) {
-    let all = [(Culls::Bevy, "Bevy"), (Culls::Off, "casca, off"), (Culls::Casca, "casca")];
-    let mut cities = all.map(|(culls, _)| city(size, scene, culls));
+    let all = [(None, "Bevy"), (Some(false), "casca, off"), (Some(true), "casca")];
+    let mut cities = all.map(|(casca, _)| city(size, scene, casca));
     let mut times = all.map(|_| Vec::new());
     let mut sums = all.map(|_| [0; 3]);
     for frame in 0..FRAMES {
@@ -206,9 +194,4 @@ fn measure(size: usize, scene: &Scene) {
         let ([median, mean, most], frames) = (of(load), load.len());
         println!("| {median:.2}, {mean:.2} ({most:.2}), {frames} |");
     }
-}
-
-fn is_ready(app: &App, size: usize) -> bool {
-    let casca = app.world().resource::<CascaScene>();
-    casca.scene().is_some_and(|scene| scene.len() >= size) && !casca.is_preparing()
 }

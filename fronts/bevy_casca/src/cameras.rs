@@ -261,12 +261,16 @@ impl CamerasReadOnlyItem<'_, '_> {
             (None, Some(sub)) => projection.get_clip_from_view_for_sub(sub),
             (None, None) => projection.get_clip_from_view(),
         };
-        let matrix = border::mat4(&(clip_from_view * Mat4::from(transform.affine().inverse())));
+        let matrix = clip_from_view * Mat4::from(transform.affine().inverse());
         // `GlobalTransform::forward` panics for transforms that have none.
         let forward = Vec3::from(-transform.affine().matrix3.z_axis);
+        let [x, y, w] = [0, 1, 3].map(|row| matrix.row(row).truncate());
+        let ahead = if w == Vec3::ZERO { forward } else { w };
+        let matrix = border::mat4(&matrix);
         let view = View::perspective(border::vec3(transform.translation()), matrix)
             .or_else(|_| View::orthographic(border::vec3(forward), matrix));
-        Some(view.ok()?.with_layers(layers))
+        // Where left and right are exchanged, back sides are drawn.
+        Some(view.ok().filter(|_| x.cross(y).dot(ahead) < 0.0)?.with_layers(layers))
     }
 }
 

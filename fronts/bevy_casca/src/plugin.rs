@@ -62,12 +62,13 @@ impl Plugin for CascaPlugin {
     }
 }
 
-fn culls_for_cameras(settings: Res<CascaSettings>) -> bool {
-    settings.enabled
+/// Settings that changed since the scene was brought up to date count from the next frame on.
+fn culls_for_cameras(casca: Res<CascaScene>) -> bool {
+    casca.culls.is_some()
 }
 
-fn culls_for_lights(settings: Res<CascaSettings>) -> bool {
-    settings.enabled && settings.shadows != Shadows::All
+fn culls_for_lights(casca: Res<CascaScene>) -> bool {
+    casca.culls == Some(Shadows::Lit)
 }
 
 /// Takes Bevy's systems out whose work is done here, and puts them back for when it is not. At

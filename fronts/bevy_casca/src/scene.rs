@@ -15,6 +15,7 @@ use crate::border;
 use crate::occluders::{Key, Occluders};
 #[cfg(doc)]
 use crate::settings::CascaSettings;
+use crate::settings::Shadows;
 use crate::why_not::WhyNot;
 
 /// The entities as casca sees them: a [`casca::Scene`], and the queries of cameras.
@@ -38,8 +39,8 @@ pub struct CascaScene {
     pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
     /// Entities that move.
     pub(crate) movers: EntityHashMap<Mover>,
-    /// Whether entities were not followed meanwhile.
-    pub(crate) was_off: bool,
+    /// Which casters are left out in this frame; `None` while entities are not followed.
+    pub(crate) culls: Option<Shadows>,
     pub(crate) counts: Counts,
     /// How far the origin was moved since the scene was brought up to date.
     pub(crate) shifted: Option<Vec3>,

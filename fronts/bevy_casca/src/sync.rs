@@ -3,7 +3,7 @@
 use std::any::TypeId;
 use std::sync::Arc;
 
-use bevy_asset::{AssetEvent, Assets, RenderAssetUsages};
+use bevy_asset::{AssetEvent, AssetId, Assets, RenderAssetUsages};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{InheritedVisibility, RenderLayers, VisibilityClass};
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
@@ -17,6 +17,7 @@ use bevy_log::warn_once;
 use bevy_math::{Vec3, Vec3A};
 use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Mesh, Mesh3d};
+use bevy_platform::collections::HashSet;
 use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
 
@@ -157,7 +158,7 @@ macro_rules! parts {
 
 parts!(place: GlobalTransform, aabb: Aabb, visible: InheritedVisibility, mesh: Mesh3d,
     classes: VisibilityClass, layers: RenderLayers, opaque: Opaque, judged: Judged, proxy: Occluder,
-    not_occluder: NotOccluder, not_caster: NotShadowCaster);
+    not_occluder: NotOccluder, not_caster: NotShadowCaster, skin: SkinnedMesh);
 
 /// The system of [`CascaSystems::Sync`](crate::CascaSystems::Sync).
 #[expect(clippy::too_many_arguments, reason = "entities come, change and go in many ways")]
@@ -170,17 +171,22 @@ pub(crate) fn sync(
     new: Query<(Entity, &Aabb, &GlobalTransform), New>,
     gone: Query<(Entity, &InScene), Gone>,
     (all, mut parts): (Query<Entity, Watched>, Parts),
+    proxied: Query<(Entity, &Mesh3d), (With<Occluder>, Watched)>,
     mut managed: Query<(Managed, Option<&mut InScene>), Present>,
 ) {
+    let was_off = casca.culls.take().is_none();
     let Some(meshes) = meshes else { return };
     let start = Instant::now();
     let casca = &mut *casca;
-    let mut look = Vec::new();
+    let (mut look, mut other) = (Vec::new(), HashSet::<AssetId<Mesh>>::default());
     for event in events.iter_mut().flat_map(|events| events.read()) {
         if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
             casca.occluders.changed(*id, &meshes, settings.most_triangles, &mut look);
+            other.insert(*id);
         }
     }
+    // What hides in the place of a mesh goes with it.
+    look.extend(proxied.iter().filter(|(_, mesh)| other.contains(&mesh.id())).map(|(entity, _)| entity));
     let has_others = std::mem::replace(&mut casca.options, settings.options) != settings.options;
     if has_others || !settings.enabled {
         casca.cameras.clear();
@@ -188,9 +194,9 @@ pub(crate) fn sync(
         casca.lamps.clear();
     }
     if !settings.enabled {
-        casca.was_off = true;
         return;
     }
+    casca.culls = Some(settings.shadows);
     casca.frame = casca.frame.wrapping_add(1);
     casca.changes = Changes::default();
     casca.forget();
@@ -213,12 +219,14 @@ pub(crate) fn sync(
     let _ = scene.begin_frame(f64::from(*frame) / 60.0);
     let shifted = shifted.take();
     let is_other = deferred.as_ref().is_some_and(DetectChanges::is_changed);
-    if std::mem::take(&mut casca.was_off) || is_other || shifted.is_some() {
+    if was_off || is_other || shifted.is_some() {
         // What changed meanwhile is not known.
         look.extend(&all);
     }
     let shifted =
         shifted.filter(|by| scene.set_origin(scene.origin() + border::vec3(*by).as_dvec3()).is_ok());
+    // Lights keep what lies in their reach, and that is elsewhere now.
+    changes.everywhere |= shifted.is_some();
     if let Some(by) = shifted.map(Vec3A::from) {
         for Mover { at, around, .. } in movers.values_mut() {
             at.translation -= by;

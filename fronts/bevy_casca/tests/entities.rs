@@ -31,6 +31,8 @@ fn mirror(wall: &mut EntityWorldMut) {
     wall.get_mut::<Transform>().unwrap().scale.x = -30.0;
 }
 
+type Skin = (SkinnedMesh, DynamicSkinnedMeshBounds);
+
 /// Bounds that are smaller than the mesh.
 fn small_box() -> (NoAutoAabb, Aabb) {
     (NoAutoAabb, Aabb::from_min_max(Vec3::splat(-0.4999), Vec3::splat(0.4999)))
@@ -60,6 +62,7 @@ fn who_hides() {
         ("one that casts no shadow", |wall| done(wall.insert(NotShadowCaster)), 50, ""),
         ("one that is never culled", |wall| done(wall.insert(NoFrustumCulling)), 0, "NoFrustumCulling"),
         ("one that the graphics processor culls", |wall| done(wall.insert(NoCpuCulling)), 0, "NoCpuCulling"),
+        ("a skin without bones", |wall| done(wall.insert(Skin::default())), 0, "it has SkinnedMesh"),
         ("seen from afar", |wall| done(wall.insert(VisibilityRange::abrupt(5.0, 1e9))), 0, "VisibilityRange"),
         ("one that is skinned", |wall| done(wall.insert(SkinnedMesh::default())), 0, "it has SkinnedMesh"),
         ("one that reaches out of its box", |wall| done(wall.insert(small_box())), 0, "out of its Aabb"),
@@ -182,11 +185,18 @@ fn meshes_that_change_or_go_hide_as_they_are() {
         assert!(hidden(&found) < 5 && hidden(&rest(&mut pair)) < 5);
     }
     assert_eq!(pair.ours.world().resource::<CascaScene>().occluders(), 1);
-    let found = pair.frame(|world| {
+    let remove = |world: &mut World| {
         let cube = cube(world);
         world.resource_mut::<Assets<Mesh>>().remove(cube);
+    };
+    assert_eq!(hidden(&pair.frame(remove)), 0, "nothing is drawn without a mesh");
+    let mut pair = Pair::new(|world| {
+        stage(world);
+        let proxy = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
+        on(world, WALL, |wall| done(wall.insert(Occluder(proxy.clone()))));
     });
-    assert_eq!(hidden(&found), 0, "nothing is drawn without a mesh");
+    assert_eq!(hidden(&rest(&mut pair)), 50);
+    assert_eq!(hidden(&pair.frame(remove)), 0, "nor does what hides in its place");
 }
 
 #[test]
@@ -275,6 +285,7 @@ fn kinds_of_cameras() {
         on(world, CAMERA + 3, |camera| done(camera.insert(NoOcclusionCulling)));
         on(world, CAMERA + 4, |camera| done(camera.insert(RenderLayers::layer(5))));
         let of = |n| Camera { is_active: n != 5, invert_culling: n == 6, ..Default::default() };
+        spawn_camera(world, CAMERA + 9, place.with_scale(Vec3::new(-1.0, 1.0, 1.0)));
         [5, 6].iter().for_each(|n| on(world, CAMERA + n, |camera| done(camera.insert(of(*n)))));
         let part = Camera { sub_camera_view: Some(sub), ..Default::default() };
         on(world, CAMERA + 7, |camera| done(camera.insert(part.clone())));
@@ -292,7 +303,7 @@ fn kinds_of_cameras() {
     assert_eq!(of(&ours, 0), BTreeSet::from([WALL, 62]));
     assert_eq!(of(&ours, 1), BTreeSet::from([WALL, 62]), "parallel rays");
     assert!(of(&bevys, 1).len() > 40);
-    for n in [2, 3, 4, 5, 6] {
+    for n in [2, 3, 4, 5, 6, 9] {
         assert_eq!(of(&ours, n), of(&bevys, n), "camera {n}");
     }
     assert_eq!(of(&ours, 4), BTreeSet::from([1, 2]));

@@ -133,6 +133,9 @@ fn casters_that_are_left_out_are_hidden_from_the_light() {
 #[test]
 fn lists_are_bevys_where_all_casters_are_asked_for() {
     let mut pair = Pair::new(yard);
+    // What is chosen later in a frame counts from the next one on.
+    let late = |mut settings: ResMut<CascaSettings>| settings.enabled = true;
+    pair.ours.add_systems(PostUpdate, late.after(CascaSystems::Sync).before(CascaSystems::Cameras));
     for frame in 0..24 {
         let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
         (settings.shadows, settings.enabled) = (Shadows::All, frame % 8 < 6);

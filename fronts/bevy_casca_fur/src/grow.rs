@@ -54,7 +54,7 @@ pub(crate) struct Marks {
 #[query_data(mutable)]
 pub(crate) struct Fleece {
     entity: Entity,
-    parent: &'static ChildOf,
+    parent: Option<&'static ChildOf>,
     coat: &'static mut Coat,
     aabb: &'static mut Aabb,
     visibility: &'static mut Visibility,
@@ -145,11 +145,10 @@ fn coats(
 ) -> EntityHashMap<Entity> {
     let mut coats = EntityHashMap::default();
     for fleece in fleeces {
-        let parent = fleece.parent.parent();
-        if !animals.contains(parent) || coats.contains_key(&parent) {
-            commands.entity(fleece.entity).try_despawn();
-        } else {
-            coats.insert(parent, fleece.entity);
+        let parent = fleece.parent.map(ChildOf::parent);
+        match parent.filter(|parent| animals.contains(*parent) && !coats.contains_key(parent)) {
+            Some(parent) => _ = coats.insert(parent, fleece.entity),
+            None => commands.entity(fleece.entity).try_despawn(),
         }
     }
     coats

@@ -206,6 +206,11 @@ fn coats_come_and_go_with_their_animals() {
     let material = app.world().get::<MeshMaterial3d<FurMaterial>>(coat_of).unwrap().clone();
     app.world_mut().spawn((made, mesh, material, Aabb::default(), ChildOf(animals[3])));
     run(&mut app, 2);
+    // One that is nobody's goes, too.
+    let coat_of = coat(&mut app, animals[3]).unwrap();
+    app.world_mut().entity_mut(coat_of).remove::<ChildOf>();
+    run(&mut app, 2);
+    assert!(coat(&mut app, animals[3]).is_some());
     let world = app.world_mut();
     assert_eq!(world.query::<&Coat>().iter(world).count(), 1);
 }

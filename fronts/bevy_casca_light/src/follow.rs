@@ -11,7 +11,7 @@ use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::Lightmap;
 use bevy_tasks::futures::check_ready;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
-use bevy_transform::components::Transform;
+use bevy_transform::components::{GlobalTransform, Transform};
 use casca_lightmap::{BakeError, Following, Light, OutputMesh, Placed, Probes, Settings, light};
 use glam::Affine3A;
 
@@ -72,14 +72,15 @@ pub(crate) fn bake(
         let settings = how.settings;
         let task = async move { light(&scene, &placed, &settings, &mut |_, _, _| {}) };
         let task = AsyncComputeTaskPool::get().spawn(task);
-        commands.entity(root).insert(Baking { task, entities });
+        commands.entity(root).try_insert(Baking { task, entities });
     }
 }
 
 pub(crate) fn finish(
     mut commands: Commands,
     mut levels: Query<(Entity, &BakeLight, &mut Baking)>,
-    around: Query<&bevy_transform::components::GlobalTransform>,
+    around: Query<&GlobalTransform>,
+    drawn: Query<&Mesh3d>,
     (mut meshes, mut images): (ResMut<Assets<Mesh>>, ResMut<Assets<Image>>),
 ) {
     for (root, how, mut baking) in &mut levels {
@@ -95,10 +96,12 @@ pub(crate) fn finish(
         let size = [found.atlas.width, found.atlas.height, 0];
         let texels = found.texels.chunks((size[0] * size[1]).max(1) as usize);
         let pages: Vec<Handle<Image>> = texels.map(|page| images.add(image(size, page))).collect();
-        for ((mesh, entities), layout) in baking.entities.iter().zip(&found.atlas.meshes) {
-            let Some(mesh) = meshes.get(mesh).and_then(|mesh| mapped(mesh, layout)) else { continue };
+        for ((old, entities), layout) in baking.entities.iter().zip(&found.atlas.meshes) {
+            let Some(mesh) = meshes.get(old).and_then(|mesh| mapped(mesh, layout)) else { continue };
             let mesh = meshes.add(mesh);
-            for (entity, rect) in entities.iter().zip(&layout.instances) {
+            let has_it = |entity: &Entity| drawn.get(*entity).is_ok_and(|mesh| mesh.0 == *old);
+            // Some have another mesh by now.
+            for (entity, rect) in entities.iter().zip(&layout.instances).filter(|(e, _)| has_it(e)) {
                 let Some(page) = pages.get(rect.page as usize) else { continue };
                 let uv_rect = Rect { min: rect.min.into(), max: rect.max.into() };
                 let lightmap = Lightmap { image: page.clone(), uv_rect, ..Lightmap::default() };
@@ -106,8 +109,12 @@ pub(crate) fn finish(
             }
         }
         let scale = around.get(root).map_or(Vec3::ONE, |place| place.scale());
-        commands.entity(root).insert(LitLevel::of(how.sky, &how.settings));
-        commands.spawn((of_probes(&found.probes, scale, &mut images), ChildOf(root)));
+        let (lit, probes) =
+            (LitLevel::of(how.sky, &how.settings), of_probes(&found.probes, scale, &mut images));
+        // Whoever hears that all is done may take the level away.
+        commands.entity(root).queue_silenced(move |mut root: EntityWorldMut| {
+            root.insert(lit).with_child(probes);
+        });
     }
 }
 
@@ -170,7 +177,7 @@ pub(crate) fn follow(
             let movers = objects.iter().enumerate().filter_map(moving).collect();
             let settings = Settings { spacing: level.spacing, cells: level.cells, ..Settings::default() };
             let task = pool.spawn(async move { Following::new(scene, &settings).map(Box::new) });
-            commands.entity(root).insert(Follower { idle: None, task: Some(task), movers });
+            commands.entity(root).try_insert(Follower { idle: None, task: Some(task), movers });
             continue;
         };
         if let Some(done) = follower.task.as_mut().and_then(check_ready) {

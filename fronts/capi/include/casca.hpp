@@ -1,8 +1,9 @@
 // casca for C++17: the functions of casca.h with handles that free themselves, spans, and errors as
 // exceptions. Everything is in this header; casca.h is the manual.
 //
-// Calls that are refused throw casca::error, and then changed nothing. Handles can be moved and not
-// copied. Spans are made of anything with data() and size(): vectors, arrays, std::span.
+// Calls that are refused throw casca::error, and then changed nothing; of moves in bulk, those that
+// are not refused are made. Handles can be moved and not copied. Spans are made of anything with
+// data() and size(): vectors, arrays, std::span.
 #ifndef CASCA_HPP
 #define CASCA_HPP
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use casca::glam::Vec3;
 use casca::{Aabb, Scene};
 use casca_slots::Slots;
-use casca_walls::Walls;
+use casca_walls::Span;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
@@ -13,9 +13,9 @@ use crate::baked::BakedFile;
 use crate::describe::{ClientDesc, EntityDesc, Team};
 use crate::error::{ServerError, time, within};
 use crate::id::{ClientId, EntityId};
-use crate::numeric::{FASTEST, ROUNDING, STEP};
+use crate::numeric::{FASTEST, ROUNDING, STEP, at_least, at_most};
 use crate::options::ServerOptions;
-use crate::space::{Kept, Reached, Space, check_bounds, check_place};
+use crate::space::{Kept, Reached, Space, check_bounds, check_place, reached};
 
 /// Finds, tick by tick, which entities each client may be told of.
 ///
@@ -89,6 +89,8 @@ struct Entity {
     desc: EntityDesc,
     /// When it was where it is.
     time: f64,
+    /// Where it may have been when walls came, and when that was; at first as it is.
+    since: (Aabb, f64),
     /// Its team or that of its owner.
     side: Option<Team>,
 }
@@ -127,9 +129,9 @@ impl VisibilityServer {
 
     /// The level, to be changed: what comes, goes or moves counts from the next tick on, which
     /// costs a pass over all of it, and baked sets are given up. A door that closes is an object
-    /// with an occluder that comes.
+    /// with an occluder that comes. Who was reported before that tick may have passed it.
     pub fn level_mut(&mut self) -> &mut Scene {
-        (self.space.is_changed, self.space.walls) = (true, Walls::default());
+        self.space.change();
         self.forget_baked();
         &mut self.space.level
     }
@@ -232,7 +234,7 @@ impl VisibilityServer {
         Ok(())
     }
 
-    /// Changes the speed of a client's eye, a second, and its latency, in seconds.
+    /// Changes the speed of a client's eye, a second, and its latency, in seconds: as if since its last report.
     ///
     /// # Errors
     /// Refuses an id that names no client of this server, and numbers that are out of their ranges.
@@ -258,7 +260,10 @@ impl VisibilityServer {
         if self.entities.len() >= self.options.most_entities {
             return Err(full);
         }
-        let slot = self.entities.insert(Entity { desc, time: now, side: None }).ok_or(full)?;
+        let slot = self
+            .entities
+            .insert(Entity { desc, time: now, since: (desc.bounds, now), side: None })
+            .ok_or(full)?;
         Ok(EntityId(self.entities.id(slot)))
     }
 
@@ -271,11 +276,11 @@ impl VisibilityServer {
         check_bounds(&bounds)?;
         let entity = self.entity_mut(id)?;
         time("the time of a move", now, entity.time)?;
-        (entity.desc.bounds, entity.time) = (bounds, now);
+        (entity.desc.bounds, entity.time, entity.since) = (bounds, now, (bounds, now));
         Ok(())
     }
 
-    /// Changes the greatest speed of an entity, a second.
+    /// Changes the greatest speed of an entity, a second: as if since its last move.
     ///
     /// # Errors
     /// Refuses an id that names no entity of this server, and a speed out of its range.
@@ -350,10 +355,17 @@ impl VisibilityServer {
         time("the time of a tick", now, self.now)?;
         self.now = now;
         let Self { space, options, clients, entities, .. } = self;
-        space.find_walls();
+        let old = space.find_walls(now);
         // Owners that left are forgotten; entities without a team have that of their owners.
         for slot in entities.iter().map(|(slot, _)| slot).collect::<Vec<_>>() {
             let Some(entity) = entities.get_mut(slot) else { continue };
+            if let Some(old) = &old {
+                let (bounds, time) = entity.since;
+                let way = f64::from(entity.desc.speed) * (now - time).clamp(0.0, f64::MAX);
+                let Span { min, max } = reached(old, &bounds, way);
+                let [min, max] = [min.to_array().map(at_most), max.to_array().map(at_least)];
+                entity.since = (Aabb::new(min.into(), max.into()), time.max(now));
+            }
             let owner = entity.desc.owner.and_then(|owner| clients.get(&owner));
             entity.desc.owner = owner.map(|owner| owner.answer.client);
             entity.side = entity.desc.team.or(owner.and_then(|owner| owner.desc.team));
@@ -364,8 +376,9 @@ impl VisibilityServer {
         let entities: Vec<(EntityId, &Entity)> =
             entities.iter().map(|(slot, entity)| (EntityId(entities.id(slot)), entity)).collect();
         let place = |entity: &Entity, steps: u64| {
-            let seconds = steps as f64 * STEP + (now - entity.time).clamp(0.0, f64::MAX);
-            space.place(&entity.desc.bounds, f64::from(entity.desc.speed) * seconds)
+            let (bounds, time) = &entity.since;
+            let seconds = steps as f64 * STEP + (now - time).clamp(0.0, f64::MAX);
+            space.place(bounds, f64::from(entity.desc.speed) * seconds)
         };
         let times: BTreeSet<u64> =
             clients.values().map(|client| steps(client.time_ahead(now, options).0)).collect();
@@ -379,9 +392,11 @@ impl VisibilityServer {
 
         let see = |client: &mut Client| {
             let (seconds, is_stale) = client.time_ahead(now, options);
-            let Client { desc, kept, answer, .. } = client;
+            let Client { desc, time, kept, answer, .. } = client;
             let reach = f64::from(desc.speed) * seconds * (1.0 + ROUNDING);
-            let (id, mut may_see) = (answer.client, space.look(desc.eye, reach, kept));
+            // The report may be older by the latency.
+            let sent = *time - f64::from(desc.latency);
+            let (id, mut may_see) = (answer.client, space.look(desc.eye, (reach, sent), kept));
             let all = entities.iter().zip(places.get(&steps(seconds)).into_iter().flatten());
             let told = all.filter(|((entity, about), place)| {
                 about.desc.owner == Some(id)

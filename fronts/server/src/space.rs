@@ -17,6 +17,9 @@ pub(crate) struct Space {
     pub(crate) walls: Walls,
     /// Whether the level changed since.
     pub(crate) is_changed: bool,
+    /// The walls before that change, until the next tick; and the last tick that had others.
+    old: Option<Walls>,
+    since: f64,
     /// What was found of the level ahead of time.
     pub(crate) baked: Option<BakedFile>,
     /// Whether walls and baked sets count.
@@ -41,38 +44,48 @@ pub(crate) struct Kept {
 
 impl Space {
     pub(crate) fn new(level: Scene, uses_walls: bool) -> Self {
-        Self { level, walls: Walls::default(), is_changed: true, baked: None, uses_walls }
+        let (walls, old, since) = (Walls::default(), None, f64::MIN);
+        Self { level, walls, is_changed: true, old, since, baked: None, uses_walls }
     }
 
-    /// Finds the walls anew if the level changed.
-    pub(crate) fn find_walls(&mut self) {
+    /// The level is to be changed: until the next tick no wall is known.
+    pub(crate) fn change(&mut self) {
+        let walls = std::mem::take(&mut self.walls);
+        self.old.get_or_insert(walls);
+        self.is_changed = true;
+    }
+
+    /// Finds the walls anew if the level changed. Returns those before, if there were others.
+    pub(crate) fn find_walls(&mut self, now: f64) -> Option<Walls> {
         if std::mem::take(&mut self.is_changed) && self.uses_walls {
             self.walls = Walls::of(&self.level, LEAST_WALL);
         }
+        self.old.take().inspect(|_| self.since = now)
     }
 
     fn sets(&self) -> Option<Baked<'_>> {
         self.baked.as_ref().filter(|_| self.uses_walls).and_then(BakedFile::sets)
     }
 
-    /// Where an entity may be that went `reach` at most: the part that it can get to of a box around
-    /// all places within reach.
+    /// Where an entity may be that went `reach` at most.
     pub(crate) fn place(&self, bounds: &Aabb, reach: f64) -> Reached {
-        let span = self.walls.reached(&span_of(bounds), span_of(&grown(bounds, reach)));
+        let span = reached(&self.walls, bounds, reach);
         Reached { span, cells: self.sets().and_then(|sets| cells_of(&sets, &span)) }
     }
 
     /// Tells of entities, by their slots and where they may be, whether one of the eyes that went `reach`
-    /// at most may see a point of it; in doubt, yes.
+    /// at most since a time may see a point of it; in doubt, yes.
     pub(crate) fn look(
         &self,
         eye: Vec3,
-        reach: f64,
+        (reach, time): (f64, f64),
         Kept { hints, seen_cells }: &mut Kept,
     ) -> impl FnMut(usize, &Reached) -> bool {
         let center = eye.as_dvec3();
         let span = Span { min: center - reach, max: center + reach };
-        let span = self.walls.reached(&Span { min: center, max: center }, span);
+        // It may have got past a wall before that came.
+        let from = if time < self.since { span } else { Span { min: center, max: center } };
+        let span = self.walls.reached(&from, span);
         let (baked, eyes) = (self.sets(), Eyes::new(center, reach, span));
         seen_cells.follow(baked.as_ref(), &span);
         move |slot, place| {
@@ -96,6 +109,11 @@ pub(crate) fn check_bounds(b: &Aabb) -> Result<(), ServerError> {
     check_place(what, b.min)?;
     check_place(what, b.max)?;
     if b.min.cmple(b.max).all() { Ok(()) } else { Err(ServerError::Inverted(what)) }
+}
+
+/// The part that an entity can get to of a box around all places within reach.
+pub(crate) fn reached(walls: &Walls, bounds: &Aabb, reach: f64) -> Span {
+    walls.reached(&span_of(bounds), span_of(&grown(bounds, reach)))
 }
 
 /// A box in double precision.

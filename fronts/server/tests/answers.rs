@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use casca_server::bots::{Level, Match, MatchOptions};
+use casca_server::bots::{Level, Match};
 use casca_server::casca::glam::Vec3;
 use casca_server::casca::{Aabb, ObjectDesc, Scene};
 use casca_server::{
@@ -103,6 +103,27 @@ fn reports_that_are_late_widen_the_reach_until_a_client_is_stale() {
 }
 
 #[test]
+fn who_may_have_passed_a_door_before_it_closed_is_told() {
+    // One runs towards the other.
+    for (z, speed, far, fast) in [(50.0, 0.0, 39.0, 10.0), (39.0, 10.0, 50.0, 0.0)] {
+        let mut server = server(ServerOptions::new());
+        let wall = server.level().ids().last().unwrap();
+        server.level_mut().remove(wall).unwrap();
+        let client = server.add_client(ClientDesc::new(eye(z), speed, 0.05), 0.0).unwrap();
+        let entity = server.add_entity(EntityDesc::new(person(32.0, far), fast), 0.0).unwrap();
+        server.tick(0.0).unwrap();
+        let door = Aabb::new(Vec3::new(0.0, 0.0, 40.0), Vec3::new(64.0, 12.0, 41.0));
+        server.level_mut().insert(ObjectDesc::fixed(door).occluder(door)).unwrap();
+        server.tick(0.2).unwrap();
+        assert_eq!(told(&server, client), [entity]);
+        server.move_eye(client, eye(z), 0.3).unwrap();
+        server.move_entity(entity, person(32.0, far), 0.3).unwrap();
+        server.tick(0.3).unwrap();
+        assert_eq!(told(&server, client), [], "it stands before the door");
+    }
+}
+
+#[test]
 fn changes_of_the_level_count_from_the_next_tick_on() {
     let mut server = server(ServerOptions::new());
     let client = server.add_client(ClientDesc::new(eye(20.0), 2.0, 0.05), 0.0).unwrap();
@@ -127,8 +148,7 @@ fn answers_do_not_depend_on_the_number_of_threads() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let options = MatchOptions { bots: 16, ..MatchOptions::default() };
-            let mut game = Match::new(&level, options).unwrap();
+            let mut game = Match::new(&level, 16, 1, [1.0; 2]).unwrap();
             let mut all = Vec::new();
             for _ in 0..40 {
                 let answers = game.answer(|server, now| {
@@ -158,7 +178,7 @@ fn plain(answer: Answer) -> Plain {
 #[test]
 fn what_is_new_and_forgotten_adds_up() {
     let level = Level::open("rooms").unwrap();
-    let mut game = Match::new(&level, MatchOptions { bots: 16, ..MatchOptions::default() }).unwrap();
+    let mut game = Match::new(&level, 16, 1, [1.0; 2]).unwrap();
     let mut known: std::collections::BTreeMap<ClientId, BTreeSet<EntityId>> = Default::default();
     let (mut came, mut went) = (0, 0);
     for tick in 0..90 {

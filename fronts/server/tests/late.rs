@@ -6,7 +6,7 @@ mod rays;
 use std::ops::ControlFlow;
 
 use casca_baked::{Baked, Writer};
-use casca_server::bots::{Level, Match, MatchOptions};
+use casca_server::bots::{Level, Match};
 use casca_truth::oracle::RayOracle;
 use rays::Truth;
 
@@ -20,9 +20,11 @@ struct Verdict {
     pairs: u64,
 }
 
+const BOTS: usize = 24;
+
 /// Plays a match, and looks at each tick from each eye at all that was not told.
-fn play(level: &Level, options: MatchOptions, ticks: u64) -> Verdict {
-    let mut game = Match::new(level, options).unwrap();
+fn play(level: &Level, seed: u64, told: [f32; 2], ticks: u64) -> Verdict {
+    let mut game = Match::new(level, BOTS, seed, told).unwrap();
     let mut truth = Truth::new(level, game.now()[0]);
     let mut verdict = Verdict::default();
     for tick in 0..ticks {
@@ -32,10 +34,10 @@ fn play(level: &Level, options: MatchOptions, ticks: u64) -> Verdict {
         for moment in [begin.clone(), begin.toward(end, 0.999)] {
             truth.set(&moment);
             for (i, told) in game.told().iter().enumerate() {
-                let hidden: Vec<usize> = (0..options.bots).filter(|&j| !told[j] && j != i).collect();
-                let mut seen = vec![false; options.bots];
+                let hidden: Vec<usize> = (0..BOTS).filter(|&j| !told[j] && j != i).collect();
+                let mut seen = vec![false; BOTS];
                 truth.look(moment.eyes[i], &hidden, tick, &mut seen);
-                verdict.pairs += options.bots as u64 - 1;
+                verdict.pairs += BOTS as u64 - 1;
                 verdict.withheld += hidden.len() as u64;
                 verdict.late += seen.iter().filter(|seen| **seen).count() as u64;
             }
@@ -45,13 +47,9 @@ fn play(level: &Level, options: MatchOptions, ticks: u64) -> Verdict {
     verdict
 }
 
-fn options() -> MatchOptions {
-    MatchOptions { bots: 24, ..MatchOptions::default() }
-}
-
 #[test]
 fn nothing_is_told_late_in_rooms() {
-    let verdict = play(&Level::open("rooms").unwrap(), options(), 200);
+    let verdict = play(&Level::open("rooms").unwrap(), 1, [1.0; 2], 200);
     assert_eq!(verdict.late, 0, "{verdict:?}");
     let share = verdict.withheld as f64 / verdict.pairs as f64;
     assert!(share > 0.3, "{share} of all pairs are withheld");
@@ -60,9 +58,9 @@ fn nothing_is_told_late_in_rooms() {
 #[test]
 fn lies_about_the_reach_and_the_growth_are_found_out() {
     let level = Level::open("rooms").unwrap();
-    let still = play(&level, MatchOptions { told: [0.0, 1.0], ..options() }, 200);
+    let still = play(&level, 1, [0.0, 1.0], 200);
     assert!(still.late > 10, "{still:?}");
-    let prompt = play(&level, MatchOptions { told: [1.0, 0.0], ..options() }, 200);
+    let prompt = play(&level, 1, [1.0, 0.0], 200);
     assert!(prompt.late > 0, "{prompt:?}");
 }
 
@@ -71,7 +69,7 @@ fn nothing_is_told_late_by_baked_sets() {
     let mut level = Level::open("rooms").unwrap();
     let file = level.bake(2.0, 16, 2, &mut |_, _| ControlFlow::Continue(())).unwrap();
     level.baked = Some(file);
-    let verdict = play(&level, MatchOptions { seed: 2, ..options() }, 100);
+    let verdict = play(&level, 2, [1.0; 2], 100);
     assert_eq!(verdict.late, 0, "{verdict:?}");
     let share = verdict.withheld as f64 / verdict.pairs as f64;
     assert!(share > 0.3, "{share} of all pairs are withheld");
@@ -81,14 +79,14 @@ fn nothing_is_told_late_by_baked_sets() {
     let cells = (0..baked.objects()).filter(|cell| baked.set(*cell).is_some());
     cells.for_each(|cell| writer.put(cell, &[cell]).unwrap());
     level.baked = Some(writer.finish().unwrap());
-    assert!(play(&level, options(), 20).late > 10);
+    assert!(play(&level, 1, [1.0; 2], 20).late > 10);
 }
 
 #[test]
 fn bots_keep_to_their_speed_and_out_of_walls() {
     let level = Level::open("rooms").unwrap();
     let oracle = RayOracle::new(&level.objects);
-    let mut game = Match::new(&level, MatchOptions { bots: 40, ..MatchOptions::default() }).unwrap();
+    let mut game = Match::new(&level, 40, 1, [1.0; 2]).unwrap();
     let (mut jumps, mut aside) = (0, 0.0f32);
     for _ in 0..600 {
         game.answer(|_, _| ()).unwrap();

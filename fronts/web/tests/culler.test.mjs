@@ -161,7 +161,7 @@ test("what cannot be judged is drawn as without it", () => {
   renderer.clippingPlanes.pop();
   for (const name of ["onBeforeRender", "onAfterRender"]) {
     const line = new THREE.Line();
-    for (const object of [scene, line]) {
+    for (const object of [scene, line, line.material].slice(0, name === "onBeforeRender" ? 3 : 2)) {
       scene.add(line);
       object[name] = () => {};
       assert.equal(count(camera), 0, name);
@@ -182,6 +182,9 @@ test("what cannot be judged is drawn as without it", () => {
   scene.add(batch);
   assert(count(camera) > 0);
   scene.remove(batch);
+  const mirror = camera.clone();
+  mirror.projectionMatrix.elements[0] *= -1;
+  assert.equal(count(mirror), 0);
   const broken = camera.clone();
   broken.projectionMatrix.elements.fill(NaN);
   assert.equal(count(broken), 0);
@@ -192,7 +195,35 @@ test("what cannot be judged is drawn as without it", () => {
   const flat = new THREE.Mesh(new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(new Float32Array([NaN, 0, 0, 1, 0, 0, 0, 1, 0]), 3)));
   const none = new THREE.Mesh(new THREE.BufferGeometry());
   const group = new THREE.Mesh(new THREE.BoxGeometry(), [undefined]);
-  scene.add(mesh, flat, none, group);
+  const two = new THREE.Mesh(new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(new Float32Array(6), 2)));
+  const foreign = new THREE.Mesh(new THREE.BufferGeometry().setAttribute("position", new THREE.GLBufferAttribute(null, 5126, 3, 4, 3)));
+  const all = [mesh, flat, none, group, two, foreign];
+  scene.add(...all);
   culler.render(scene, camera);
-  for (const odd of [mesh, flat, none, group]) assert(renderer.drawn.has(odd));
+  for (const odd of all) assert(renderer.drawn.has(odd));
+});
+
+test("what groups leave out of a mesh hides nothing", () => {
+  const materials = [0, 1, 2, 3, 4, 5].map(() => new THREE.MeshBasicMaterial());
+  const wall = new THREE.Mesh(new THREE.BoxGeometry(20, 20, 1), materials);
+  const thing = new THREE.Mesh(new THREE.BoxGeometry(), materials[0]);
+  thing.position.z = -5;
+  const scene = new THREE.Scene().add(wall, thing);
+  const camera = new THREE.PerspectiveCamera(70, 1.5, 0.1, 100);
+  camera.position.z = 14;
+  const culler = new CascaCuller(new Renderer(), { cell: 1 });
+  const { groups } = wall.geometry;
+  const isHidden = () => {
+    culler.render(scene, camera);
+    return culler.hidden === 1;
+  };
+  assert(isHidden());
+  // The side before the camera is the fifth of six.
+  wall.material = materials.slice(0, 4);
+  assert(!isHidden(), "a group without a material");
+  wall.material = materials;
+  for (const i of [4, 5]) groups[i] = groups[0];
+  assert(!isHidden(), "groups that draw the same twice");
+  wall.geometry.groups = [{ start: 18, count: 18, materialIndex: 1 }, { start: 0, count: 24, materialIndex: 0 }];
+  assert(isHidden(), "in any order");
 });

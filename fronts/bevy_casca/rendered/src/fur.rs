@@ -162,16 +162,16 @@ pub fn furry(
     let (world, camera) = rendered.world_and_camera();
     let lens = PerspectiveProjection { fov: ANGLE.to_radians(), ..default() };
     world.entity_mut(camera).insert(Projection::Perspective(lens));
-    (0..SETTLED).for_each(|_| rendered.app().update());
+    (0..SETTLED).for_each(|_| rendered.app.update());
     Ok(rendered)
 }
 
 /// A picture, and the milliseconds of all threads for a frame, from several frames.
 pub fn timed(rendered: &mut Rendered) -> Result<(Vec<u8>, f64), String> {
-    let now = |rendered: &mut Rendered| (threads(), rendered.app().world().resource::<FrameCount>().0);
+    let now = |rendered: &mut Rendered| (threads(), rendered.app.world().resource::<FrameCount>().0);
     rendered.capture()?;
     let start = now(rendered);
-    (0..SETTLED).for_each(|_| rendered.app().update());
+    (0..SETTLED).for_each(|_| rendered.app.update());
     let picture = rendered.capture()?;
     let end = now(rendered);
     Ok((picture, (end.0 - start.0) / f64::from(end.1 - start.1)))

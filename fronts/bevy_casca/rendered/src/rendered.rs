@@ -34,7 +34,7 @@ const MOST_UPDATES: u32 = 400;
 
 /// An app that renders into pictures.
 pub struct Rendered {
-    app: App,
+    pub app: App,
     target: Handle<Image>,
     camera: Entity,
 }
@@ -117,11 +117,6 @@ impl Rendered {
     /// The picture of the next frame: four bytes a pixel.
     pub fn capture(&mut self) -> Result<Vec<u8>, String> {
         capture(&mut self.app, &self.target)
-    }
-
-    /// The app.
-    pub fn app(&mut self) -> &mut App {
-        &mut self.app
     }
 
     /// The main world, and the camera in it.

@@ -125,10 +125,11 @@ public:
         return tell([&] { ready().remove(std::uint64_t(id)); });
     }
 
-    // One frame: the ids of all objects that a camera can see, roughly from near to far.
+    // One frame: the ids of all objects that a camera can see, roughly from near to far. Of all objects,
+    // if the time or the camera is refused.
     Ids visible(double seconds, Transform3D camera, Projection projection) {
         Ids found;
-        tell([&] {
+        const auto is_known = tell([&] {
             auto view = view_of(camera, projection);
             ready().begin_frame(seconds);
             query->run(*scene, view);
@@ -137,6 +138,12 @@ public:
             const casca_query all[] = {query->get()};
             scene->end_frame(casca::span<const casca_query>(all, 1));
         });
+        if (!is_known && scene) {
+            tell([&] {
+                const auto ids = scene->ids();
+                found.assign(ids.begin(), ids.end());
+            });
+        }
         return found;
     }
 

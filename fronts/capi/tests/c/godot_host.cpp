@@ -198,13 +198,18 @@ int main() {
     const GDExtensionConstTypePtr from[] = {Any{new double(0.0)}, Any{&camera}, Any{&projection}};
     host::methods.at("visible").ptrcall(nullptr, Any{host::instance}, from, Any{&seen});
     CHECK(*host::array_at(&seen) == std::vector<std::int64_t>{wall_id});
+    // What is refused hides nothing.
+    const Transform3D nowhere{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0.0f / 0.0f, 0, 0}};
+    const GDExtensionConstTypePtr lost[] = {from[0], Any{&nowhere}, from[2]};
+    host::methods.at("visible").ptrcall(nullptr, Any{host::instance}, lost, Any{&seen});
+    CHECK(host::array_at(&seen)->size() == 2 && host::errors == 2);
     CHECK(ptrcall("move", no, ball_id, Aabb{{-1, -1, -6}, {2, 2, 2}}, no) == yes);
     host::methods.at("visible").ptrcall(nullptr, Any{host::instance}, from, Any{&seen});
     CHECK(host::array_at(&seen)->size() == 2 && host::array_at(&seen)->back() == ball_id);
     delete static_cast<double *>(host::plain(from[0]));
     delete host::array_at(&seen);
     CHECK(ptrcall("remove", no, ball_id) == yes && ptrcall("remove", no, ball_id) == no);
-    CHECK(host::errors == 2);
+    CHECK(host::errors == 3);
 
     // The same by variants, and calls with wrong arguments.
     std::vector<host::Variant> values(3);

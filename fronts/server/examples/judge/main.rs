@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use casca_server::VisibilityServer;
-use casca_server::bots::{Level, Match, MatchOptions, Moment};
+use casca_server::bots::{DOWN, Level, Match, Moment};
 use casca_server::casca::glam::Vec3;
 use casca_server::wire::{AnswerFrame, ToClient};
 use casca_tools::pictures::palette::other;
@@ -47,7 +47,7 @@ struct Arguments {
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::parse();
-    let options = MatchOptions { bots: arguments.bots, seed: arguments.seed, ..MatchOptions::default() };
+    let (bots, seed) = (arguments.bots, arguments.seed);
     // By way: the shares told late and withheld of each level, in percent.
     let mut marks: [Vec<(f64, f64)>; WAYS.len()] = Default::default();
     for name in &arguments.levels {
@@ -63,11 +63,11 @@ fn main() -> Result<(), Failure> {
         if arguments.times > 0 {
             for threads in [1, 2] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-                pool.install(|| times(&level, options, arguments.times, threads))?;
+                pool.install(|| times(&level, (bots, seed), arguments.times, threads))?;
             }
         }
         if arguments.beside > 0 {
-            beside(&level, options, arguments.beside, &mut marks)?;
+            beside(&level, (bots, seed), arguments.beside, &mut marks)?;
         }
     }
     if let Some(file) = &arguments.chart {
@@ -130,9 +130,9 @@ fn memory() -> usize {
     text.split_whitespace().nth(1).and_then(|pages| pages.parse::<usize>().ok()).unwrap_or(0) * 4096
 }
 
-fn times(level: &Level, options: MatchOptions, ticks: u64, threads: usize) -> Result<(), Failure> {
+fn times(level: &Level, (bots, seed): (usize, u64), ticks: u64, threads: usize) -> Result<(), Failure> {
     let before = memory();
-    let mut game = Match::new(level, options)?;
+    let mut game = Match::new(level, bots, seed, [1.0; 2])?;
     let (mut all, mut sent, mut told) = (Vec::new(), 0, 0);
     for tick in 0..ticks {
         let taken = game.answer(|server, now| {
@@ -148,9 +148,9 @@ fn times(level: &Level, options: MatchOptions, ticks: u64, threads: usize) -> Re
         }
         game.advance();
     }
-    let grown = (memory().saturating_sub(before)) as f64 / options.bots as f64 / 1024.0;
+    let grown = (memory().saturating_sub(before)) as f64 / bots as f64 / 1024.0;
     all.sort_by(f64::total_cmp);
-    let clients = (all.len() * options.bots) as f64;
+    let clients = (all.len() * bots) as f64;
     println!(
         "{}: {threads} threads, {} ticks: p50 {:.2} ms, p99 {:.2} ms, worst {:.2} ms; {:.1} told a client; \
          {:.0} bytes a client and tick; {grown:.0} kB of memory a client",
@@ -185,12 +185,11 @@ struct Tally {
 /// Plays a match with all ways at the same time.
 fn beside(
     level: &Level,
-    options: MatchOptions,
+    (n, seed): (usize, u64),
     ticks: u64,
     marks: &mut [Vec<(f64, f64)>],
 ) -> Result<(), Failure> {
-    let n = options.bots;
-    let mut game = Match::new(level, options)?;
+    let mut game = Match::new(level, n, seed, [1.0; 2])?;
     let mut truth = Truth::new(level, game.now()[0]);
     let rays = RayOracle::new(&level.objects);
     let mut tallies = vec![Tally::default(); WAYS.len()];
@@ -214,7 +213,7 @@ fn beside(
             game.advance();
             continue;
         }
-        while queue.len() > options.down + 1 {
+        while queue.len() > DOWN + 1 {
             queue.pop_front();
         }
         let by_rays = &queue[0];

@@ -10,32 +10,19 @@ const ASIDE: f32 = 0.2;
 /// Steps of a path count as this long at least, in metres: one of no length would take no time.
 const SHORTEST: f32 = 1e-4;
 
-/// How a bot moves. The rates are times a second.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Habits {
-    /// Its greatest speed, in metres a second.
-    pub speed: f32,
-    /// How often it turns back to where it came from, as one who peeks around a corner.
-    pub turns: f64,
-    /// How often it stops for a while.
-    pub stops: f64,
-    /// How often it begins to strafe, from side to side.
-    pub strafes: f64,
-    /// How often it jumps to another place.
-    pub jumps: f64,
-}
+/// The greatest speed of players, in metres a second.
+pub const SPEED: f32 = 5.0;
 
-impl Default for Habits {
-    /// Runs at 5 m/s, peeks and strafes, and jumps every 20 seconds.
-    fn default() -> Self {
-        Self { speed: 5.0, turns: 0.8, stops: 0.1, strafes: 0.3, jumps: 0.05 }
-    }
-}
+/// How often a second a bot turns back, as one who peeks around a corner, stops for a while, begins to
+/// strafe from side to side, and jumps to another place.
+const TURNS: f64 = 0.8;
+const STOPS: f64 = 0.1;
+const STRAFES: f64 = 0.3;
+const JUMPS: f64 = 0.05;
 
 /// A bot that runs along a path.
 #[derive(Debug, Clone)]
 pub struct Bot {
-    habits: Habits,
     random: Generator,
     /// How far along the path it is, in places of it.
     along: f32,
@@ -50,12 +37,11 @@ pub struct Bot {
 
 impl Bot {
     /// A bot somewhere on a path, by its number.
-    pub fn new(path: &[Vec3], habits: Habits, seed: u64, number: u64) -> Self {
+    pub fn new(path: &[Vec3], seed: u64, number: u64) -> Self {
         let mut random = generator(seed ^ spread(number + 1), 0xb07);
         let along = random.random_range(0.0..1.0) * (path.len() - 1) as f32;
         let way = if random.random_bool(0.5) { 1.0 } else { -1.0 };
-        let mut bot =
-            Self { habits, random, along, way, rest: 0.0, strafe: 0.0, eye: Vec3::ZERO, jumped: true };
+        let mut bot = Self { random, along, way, rest: 0.0, strafe: 0.0, eye: Vec3::ZERO, jumped: true };
         bot.eye = bot.target(path);
         bot
     }
@@ -72,28 +58,27 @@ impl Bot {
 
     /// Moves for some seconds.
     pub fn step(&mut self, path: &[Vec3], seconds: f64) {
-        let Habits { speed, turns, stops, strafes, jumps } = self.habits;
         let happens =
             |random: &mut Generator, rate: f64| random.random_bool((rate * seconds).clamp(0.0, 1.0));
-        self.jumped = happens(&mut self.random, jumps);
+        self.jumped = happens(&mut self.random, JUMPS);
         if self.jumped {
             self.along = self.random.random_range(0.0..1.0) * (path.len() - 1) as f32;
             (self.strafe, self.rest) = (0.0, 0.0);
             self.eye = self.target(path);
             return;
         }
-        if happens(&mut self.random, turns) {
+        if happens(&mut self.random, TURNS) {
             self.way = -self.way;
         }
-        if happens(&mut self.random, stops) {
+        if happens(&mut self.random, STOPS) {
             self.rest = self.random.random_range(0.2..2.0);
         }
-        if happens(&mut self.random, strafes) {
+        if happens(&mut self.random, STRAFES) {
             self.strafe = self.random.random_range(0.5..2.0);
         }
         self.rest -= seconds;
         self.strafe = (self.strafe - seconds).max(0.0);
-        let step = speed * seconds as f32 * 0.999;
+        let step = SPEED * seconds as f32 * 0.999;
         if self.rest <= 0.0 {
             self.advance(path, step);
         }

@@ -7,7 +7,7 @@ use casca::glam::Vec3;
 use casca_scenes::random::{Generator, generator};
 use rand::RngExt;
 
-use super::bot::{Bot, Habits};
+use super::bot::{Bot, SPEED};
 use super::level::Level;
 use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
@@ -15,36 +15,17 @@ use crate::id::{ClientId, EntityId};
 use crate::options::ServerOptions;
 use crate::server::{Answer, VisibilityServer};
 
-/// What can be chosen about a match.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MatchOptions {
-    /// Clients, each of which is an entity too.
-    pub bots: usize,
-    /// Ticks that a report takes to the server.
-    pub up: usize,
-    /// Ticks that an answer takes to the client.
-    pub down: usize,
-    /// The share of reports that are lost.
-    pub loss: f64,
-    /// How bots move.
-    pub habits: Habits,
-    /// The seed of all that is random.
-    pub seed: u64,
-    /// What the server is told of the speed and the latency, as shares of the truth: less than 1 is
-    /// a lie, to see that it is found out.
-    pub told: [f32; 2],
-    /// Options of the server.
-    pub server: ServerOptions,
-}
+/// The server has the default options.
+const SERVER: ServerOptions = ServerOptions::new();
 
-impl Default for MatchOptions {
-    /// 100 bots with a latency of 3 ticks, 100 ms at 30 ticks a second, and one report in 20 lost.
-    fn default() -> Self {
-        let (up, down) = (2, 1);
-        let server = ServerOptions::new();
-        Self { bots: 100, up, down, loss: 0.05, habits: Habits::default(), seed: 1, told: [1.0; 2], server }
-    }
-}
+/// Ticks that a report takes to the server.
+const UP: usize = 2;
+
+/// Ticks that an answer takes to the client.
+pub const DOWN: usize = 1;
+
+/// The share of reports that are lost.
+const LOSS: f64 = 0.05;
 
 /// What is true at one time.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,7 +66,6 @@ const LAGS: f64 = 0.002;
 /// the client jumps when the answer arrives.
 #[derive(Debug)]
 pub struct Match<'a> {
-    options: MatchOptions,
     level: &'a Level,
     /// The server.
     pub server: VisibilityServer,
@@ -106,26 +86,26 @@ pub struct Match<'a> {
 }
 
 impl<'a> Match<'a> {
-    /// A match in a level.
+    /// A match in a level. The server is told these shares of the speed and the latency of bots: less than
+    /// 1 is a lie, to see that it is found out.
     ///
     /// # Errors
     /// As [`VisibilityServer::new`].
-    pub fn new(level: &'a Level, options: MatchOptions) -> Result<Self, ServerError> {
-        let MatchOptions { bots, habits, seed, down, up, told: [speed, late], .. } = options;
-        let mut server = VisibilityServer::new(level.scene.clone(), options.server)?;
+    pub fn new(level: &'a Level, bots: usize, seed: u64, told: [f32; 2]) -> Result<Self, ServerError> {
+        let [speed, late] = told;
+        let mut server = VisibilityServer::new(level.scene.clone(), SERVER)?;
         level.baked.clone().map_or(Ok(()), |file| server.set_baked(file))?;
-        let bots: Vec<Bot> = (0..bots as u64).map(|i| Bot::new(&level.track.path, habits, seed, i)).collect();
-        let seconds = (up + down) as f32 * options.server.tick;
+        let bots: Vec<Bot> = (0..bots as u64).map(|i| Bot::new(&level.track.path, seed, i)).collect();
+        let seconds = (UP + DOWN) as f32 * SERVER.tick;
         let (mut clients, mut entities) = (Vec::new(), Vec::new());
         for bot in &bots {
-            let desc = ClientDesc::new(bot.eye, habits.speed * speed, seconds * late);
+            let desc = ClientDesc::new(bot.eye, SPEED * speed, seconds * late);
             clients.push(server.add_client(desc, 0.0)?);
-            let desc = EntityDesc::new(level.track.body(bot.eye), habits.speed * speed);
+            let desc = EntityDesc::new(level.track.body(bot.eye), SPEED * speed);
             entities.push(server.add_entity(desc, 0.0)?);
         }
         let count = bots.len();
         let mut game = Self {
-            options,
             level,
             server,
             bots,
@@ -153,8 +133,8 @@ impl<'a> Match<'a> {
 
     /// Lets bots run as far ahead as answers take.
     fn look_ahead(&mut self) {
-        while self.moments.len() < self.options.down.max(1) + 1 {
-            let seconds = f64::from(self.options.server.tick);
+        while self.moments.len() < DOWN + 1 {
+            let seconds = f64::from(SERVER.tick);
             self.bots.iter_mut().for_each(|bot| bot.step(&self.level.track.path, seconds));
             let next = self.moment(true);
             self.moments.push_back(next);
@@ -170,32 +150,31 @@ impl<'a> Match<'a> {
     /// empty as long as none arrived.
     pub fn told(&self) -> &[Vec<bool>] {
         match self.told.front() {
-            Some(told) if self.told.len() > self.options.down => told,
+            Some(told) if self.told.len() > DOWN => told,
             _ => &[],
         }
     }
 
     /// What bots report and where they are, as the server knows it at this tick.
     fn report(&mut self) -> Result<(), ServerError> {
-        let MatchOptions { up, down, loss, .. } = self.options;
         let now = self.now_seconds();
         let sent: Vec<Option<Vec3>> = (0..self.bots.len())
             .map(|i| {
-                let lost = self.random.random_bool(loss.clamp(0.0, 1.0));
+                let lost = self.random.random_bool(LOSS);
                 self.lags[i] =
                     if self.random.random_bool(LAGS) { LAG } else { self.lags[i].saturating_sub(1) };
                 (!lost && self.lags[i] == 0).then_some(self.moments[0].eyes[i])
             })
             .collect();
         self.reports.push_back(sent);
-        let arrived = if self.reports.len() > up { self.reports.pop_front() } else { None };
+        let arrived = if self.reports.len() > UP { self.reports.pop_front() } else { None };
         for i in 0..self.bots.len() {
             // The jump that the answer of this tick orders.
-            let jump = self.moments.get(down).filter(|moment| moment.jumped[i] && self.tick > 0);
-            let known = (1..=down).rev().find(|&ahead| self.moments[ahead].jumped[i]).unwrap_or(0);
+            let jump = self.moments.get(DOWN).filter(|moment| moment.jumped[i] && self.tick > 0);
+            let known = (1..=DOWN).rev().find(|&ahead| self.moments[ahead].jumped[i]).unwrap_or(0);
             self.server.move_entity(self.entities[i], self.moments[known].bodies[i], now)?;
             if let Some(moment) = jump {
-                self.ignored[i] = up + down;
+                self.ignored[i] = UP + DOWN;
                 self.server.move_eye(self.clients[i], moment.eyes[i], now)?;
             } else if self.ignored[i] > 0 {
                 self.ignored[i] -= 1;
@@ -208,7 +187,7 @@ impl<'a> Match<'a> {
 
     /// The time of this tick, in seconds.
     pub fn now_seconds(&self) -> f64 {
-        self.tick as f64 * f64::from(self.options.server.tick)
+        self.tick as f64 * f64::from(SERVER.tick)
     }
 
     /// Goes on to the next tick.
@@ -230,16 +209,15 @@ impl<'a> Match<'a> {
         self.report()?;
         let now = self.now_seconds();
         let taken = clock(&mut self.server, now);
-        let told = self.clients.iter().map(|&client| self.server.answer(client).map(|a| self.flags(a)));
+        let flags = |answer: &Answer| {
+            self.entities.iter().map(|entity| answer.told.binary_search(entity).is_ok()).collect()
+        };
+        let told = self.clients.iter().map(|&client| self.server.answer(client).map(flags));
         let told = told.collect::<Result<_, _>>()?;
         self.told.push_back(told);
-        if self.told.len() > self.options.down + 1 {
+        if self.told.len() > DOWN + 1 {
             self.told.pop_front();
         }
         Ok(taken)
-    }
-
-    fn flags(&self, answer: &Answer) -> Vec<bool> {
-        self.entities.iter().map(|entity| answer.told.binary_search(entity).is_ok()).collect()
     }
 }

@@ -4,6 +4,6 @@ mod bot;
 mod level;
 mod match_;
 
-pub use bot::{Bot, Habits};
+pub use bot::{Bot, SPEED};
 pub use level::{Level, LevelError, Track};
-pub use match_::{Match, MatchOptions, Moment};
+pub use match_::{DOWN, Match, Moment};

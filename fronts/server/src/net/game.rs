@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use casca::glam::Vec3;
 use tokio::sync::{mpsc, oneshot, watch};
 
-use crate::bots::{Bot, Habits, Level, Track};
+use crate::bots::{Bot, Level, SPEED, Track};
 use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
 use crate::id::{ClientId, EntityId};
@@ -19,6 +19,9 @@ use crate::wire::{AnswerFrame, ToClient};
 
 /// The latency of bots, in seconds.
 const BOT_LATENCY: f32 = 0.1;
+
+/// The seed of bots and of places to begin at.
+const SEED: u64 = 1;
 
 /// Ticks of the program are not more often than that, in seconds.
 const SHORTEST_TICK: f32 = 1e-3;
@@ -59,7 +62,7 @@ struct Player {
 
 pub(crate) struct Game {
     track: Track,
-    options: FrontOptions,
+    period: f32,
     server: VisibilityServer,
     players: BTreeMap<ClientId, Player>,
     metrics: Arc<Metrics>,
@@ -79,22 +82,19 @@ impl Game {
         let expected = options.server.tick(options.server.tick * TICK_ROOM);
         let mut server = VisibilityServer::new(level.scene, expected)?;
         level.baked.map_or(Ok(()), |file| server.set_baked(file))?;
-        let players = BTreeMap::new();
-        let options = options.clone();
         let mut game = Self {
             track: level.track,
-            options,
+            period: options.server.tick,
             server,
-            players,
+            players: BTreeMap::new(),
             metrics,
             map,
             joined: 0,
             tick: 0,
             drawn: -MAP,
         };
-        let habits = Habits { speed: game.options.speed, ..Habits::default() };
-        for number in 0..game.options.bots as u64 {
-            let bot = Bot::new(&game.track.path, habits, game.options.seed, number);
+        for number in 0..options.bots as u64 {
+            let bot = Bot::new(&game.track.path, SEED, number);
             game.add(bot.eye, BOT_LATENCY, None, Some(bot), 0.0)?;
         }
         // The first tick finds the walls, so that no report is believed without them.
@@ -110,9 +110,8 @@ impl Game {
         bot: Option<Bot>,
         now: f64,
     ) -> Result<ClientId, ServerError> {
-        let speed = self.options.speed;
-        let client = self.server.add_client(ClientDesc::new(eye, speed, latency), now)?;
-        let desc = EntityDesc::new(self.track.body(eye), speed).owner(client);
+        let client = self.server.add_client(ClientDesc::new(eye, SPEED, latency), now)?;
+        let desc = EntityDesc::new(self.track.body(eye), SPEED).owner(client);
         let entity = self.server.add_entity(desc, now).inspect_err(|_| {
             let _ = self.server.remove_client(client);
         })?;
@@ -131,7 +130,7 @@ impl Game {
     /// Plays until the server stops.
     pub(crate) fn play(mut self, mut commands: mpsc::Receiver<Command>, stopped: &watch::Receiver<bool>) {
         let begin = Instant::now();
-        let period = Duration::from_secs_f32(self.options.server.tick.max(SHORTEST_TICK));
+        let period = Duration::from_secs_f32(self.period.max(SHORTEST_TICK));
         let room = period.mul_f32(TICK_ROOM - 1.0);
         let mut due = begin + period;
         while !*stopped.borrow() {
@@ -171,16 +170,15 @@ impl Game {
     fn join(&mut self, latency: f32, link: Arc<Link>, now: f64) -> Option<(ClientId, Vec<u8>)> {
         // Anyone begins at another place.
         self.joined += 1;
-        let habits = Habits { speed: self.options.speed, ..Habits::default() };
         let number = self.joined + (1 << 32);
-        let eye = Bot::new(&self.track.path, habits, self.options.seed, number).eye;
+        let eye = Bot::new(&self.track.path, SEED, number).eye;
         let client = self.add(eye, latency, Some(link), None, now).ok()?;
         let entity = self.players.get(&client)?.entity;
         let welcome = ToClient::Welcome {
             client: client.key(),
             entity: entity.key(),
-            tick: (self.options.server.tick * 1e6) as u32,
-            speed: self.options.speed,
+            tick: (self.period * 1e6) as u32,
+            speed: SPEED,
             eye,
         };
         Some((client, welcome.encode()))
@@ -206,7 +204,7 @@ impl Game {
     }
 
     fn move_all(&mut self, now: f64) -> Result<(), ServerError> {
-        let tick = f64::from(self.options.server.tick);
+        let tick = f64::from(self.period);
         for player in self.players.values_mut() {
             let eye = if let Some(bot) = &mut player.bot {
                 bot.step(&self.track.path, tick);
@@ -214,7 +212,7 @@ impl Game {
             } else if let Some(link) = &player.link {
                 let eye = link.eye.lock().unwrap_or_else(PoisonError::into_inner).take();
                 let from = self.server.client(player.client)?.eye;
-                let most = f64::from(self.options.speed) * (now - player.time + player.latency + tick);
+                let most = f64::from(SPEED) * (now - player.time + player.latency + tick);
                 let goes = |to: &Vec3| {
                     let far = (to.as_dvec3() - from.as_dvec3()).length() > most;
                     // A body in a wall would be seen on its other side before it is told.

@@ -24,12 +24,8 @@ pub struct FrontOptions {
     pub queue: usize,
     /// Options of the server; [`ServerOptions::tick`] is the time from tick to tick.
     pub server: ServerOptions,
-    /// The greatest speed of eyes and entities, in metres a second. Default: 5.
-    pub speed: f32,
     /// Bots that play.
     pub bots: usize,
-    /// The seed of bots and of places to begin at.
-    pub seed: u64,
 }
 
 impl FrontOptions {
@@ -44,9 +40,7 @@ impl FrontOptions {
             connections: 1000,
             queue: 32,
             server: ServerOptions::new(),
-            speed: 5.0,
             bots: 0,
-            seed: 1,
         }
     }
 }

@@ -87,11 +87,8 @@ fn load(size: usize) -> Result<(), String> {
             *drawn += if is_there { app.drawn() } else { 0 };
         }
     }
-    println!(
-        "{size} things, ms: median, mean, 99%, most; drawn: {} of {}",
-        drawn[0] / FRAMES,
-        drawn[1] / FRAMES
-    );
+    let [ours, all] = drawn.map(|drawn| drawn / FRAMES);
+    println!("{size} things, ms: median, mean, 99%, most; drawn: {ours} of {all}");
     for (part, name) in ["in which things come", "after that"].into_iter().enumerate() {
         let [casca, bevy] = [0, 1].map(|i| {
             let times: &mut Vec<f64> = &mut apps[i].2[part];
