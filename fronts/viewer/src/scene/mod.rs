@@ -29,6 +29,13 @@ use crate::scene::window::First;
 
 pub(crate) use options::Options;
 
+/// Tries whether files can be read, before work that comes first. Costs loading them.
+fn check(scenes: &[SceneName]) -> Result<(), Failed> {
+    let files = scenes.iter().filter(|scene| !matches!(scene, SceneName::Built(_)));
+    files.map(|file| file.open(&Default::default())).try_for_each(|world| world.map(drop))?;
+    Ok(())
+}
+
 impl Shows for Options {
     fn common(&self) -> &Common {
         &self.common
@@ -36,7 +43,7 @@ impl Shows for Options {
 
     fn start(&self) -> Result<Start, Failed> {
         let scenes = self.scenes()?;
-        scenes.iter().try_for_each(SceneName::check)?;
+        check(&scenes)?;
         let first = match (self.at, &self.common.file) {
             (Some(frame), _) => First::Still(frame as usize),
             (None, None) => First::Above,
@@ -52,7 +59,7 @@ impl Shows for Options {
     fn work(&self) -> Result<Outcome, Failed> {
         let scenes = self.scenes()?;
         // A proof takes minutes: what cannot be read or written is said before it.
-        scenes.iter().try_for_each(SceneName::check)?;
+        check(&scenes)?;
         let (gpu, folder) = self.common.studio("view")?;
         let mut holds = true;
         for scene in &scenes {
