@@ -3,7 +3,7 @@
 
 use crate::common::*;
 
-/// The radius of what is seen past an edge: less than how far the line of sight passes it.
+/// The radius of a ball behind an edge. The line of sight to it passes the edge at more than that.
 const SPECK: f32 = 1e-5;
 
 fn cell_query() -> Query {

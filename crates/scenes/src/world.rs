@@ -47,8 +47,8 @@ pub struct Mesh {
 /// The least and the greatest corner of a box.
 pub(crate) type Bounds = (Vec3, Vec3);
 
-/// The box around points, which is no number if one of them is none: the least of a number and of
-/// what is none may be either, so that all points before would be forgotten.
+/// The box around points. It is NaN if one of them is: `min` of a number and NaN may be either, and
+/// would forget all points before.
 pub(crate) fn around(points: impl IntoIterator<Item = Vec3>) -> Bounds {
     points.into_iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| match (lo + p).is_nan() {
         true => (Vec3::NAN, Vec3::NAN),

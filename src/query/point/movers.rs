@@ -1,9 +1,9 @@
 //! Small moving objects, of which there may be very many in sight.
 //!
 //! They hide nothing, so that nothing is gained by testing them before all occluders are drawn.
-//! Their zones are tested then: most are out of sight or hidden, with all that is in them. In the
-//! others, most objects are found visible by one pixel: that of the middle of their box, which lies
-//! in them. None of that looks at the object itself, only at its box in the scene's
+//! Their zones are tested then: most are out of sight, hidden, or where nothing was drawn, with all
+//! that is in them. In the others, most objects are found visible by the tile or the pixel of the
+//! middle of their box, which lies in them. None of that looks at the object itself, only at its box in the scene's
 //! array ([`crate::scene::Scene::boxes`]).
 
 use casca_slots::Slot;
@@ -30,7 +30,10 @@ pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>
     if fixed_only || view.layers() == 0 || zones.is_empty() {
         return;
     }
-    finder.drawing.buffers_mut().note_untouched();
+    // A coherent run asks nothing of tiles.
+    if !coherent {
+        finder.drawing.buffers_mut().note_untouched();
+    }
     let planes = Planes::new(view, scene.extent());
     order.clear();
     for (index, zone) in zones.iter().enumerate() {

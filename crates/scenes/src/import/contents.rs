@@ -41,7 +41,7 @@ struct Reader<'a> {
     places: &'a [Place],
     /// Nodes that animations move or deform.
     animated: HashSet<usize>,
-    /// By place of a node: whether it is moved by what is not read.
+    /// For each node, by its place: whether an extension that is not read moves it.
     unread: Vec<bool>,
     changes: &'a Changes,
     warnings: &'a Warnings,

@@ -151,7 +151,7 @@ impl<'a> Meshes<'a> {
         Ok((!joined.triangles.is_empty()).then_some((joined, primitives)))
     }
 
-    /// The box around the positions of an accessor, or around what a morph target adds to some.
+    /// The box around the vectors of an accessor: positions, or offsets of a morph target.
     pub(super) fn around(&mut self, accessor: &gltf::Accessor) -> Result<Bounds, Trouble> {
         if let Some(known) = self.boxes.get(&accessor.index()) {
             return Ok(*known);

@@ -59,7 +59,7 @@ impl TmxObject {
     }
 }
 
-/// Reads the objects of a layer, but for texts, pictures and what is made of templates.
+/// Reads the objects of a layer. Leaves out texts, pictures, and objects made of templates.
 pub fn read(layer: &Layer<'_>, space: Space, rule: &Rule, all: &mut Vec<TmxObject>, said: &mut Vec<String>) {
     let name = layer.short_name();
     let mut passed = 0;

@@ -46,8 +46,8 @@ fn deformed_meshes_count_as_their_boxes_and_hide_nothing() {
     drive(world);
 }
 
-/// Two nodes with a mesh each, and one without; what is said of the second, of its mesh behind its
-/// attributes, and of the rest.
+/// A file of three nodes: two have a mesh, the third has none. `said` goes into the second node,
+/// `mesh` behind the positions of its mesh, and `rest` to the end.
 fn two(said: &str, mesh: &str, rest: &str) -> String {
     let mesh = format!(r#"{{"primitives":[{{"attributes":{{"POSITION":0{mesh}}}]}}"#);
     let first = r#"{"primitives":[{"attributes":{"POSITION":0}}]}"#;
